@@ -156,7 +156,7 @@ TEST_CASE_METHOD(Guarded, "what is being checked is neither a failure nor forgot
 {
     for (int i = 0; i < 5; ++i) {
         CHECK_FALSE(guard.admit(admin, now).has_to_wait);
-        static_cast<void>(guard.begun(admin, now));
+        static_cast<void>(guard.begun(LoginGuard::names_of(admin), now));
     }
     CHECK(guard.admit(admin, now).has_to_wait);
     CHECK_FALSE(is_locked(admin));
@@ -167,40 +167,42 @@ TEST_CASE_METHOD(Guarded, "what is being checked is neither a failure nor forgot
     {
         for (int i = 0; i < 5; ++i) {
             CHECK_FALSE(is_locked(admin));
-            guard.ended(admin, LoginGuard::End::Wrong, now);
+            guard.ended(LoginGuard::names_of(admin), LoginGuard::End::Wrong, now);
         }
         CHECK(is_locked(admin));
         CHECK_FALSE(guard.admit(admin, now).has_to_wait);
     }
     SECTION("one succeeds: four are still being checked")
     {
-        guard.ended(admin, LoginGuard::End::Right, now);
+        guard.ended(LoginGuard::names_of(admin), LoginGuard::End::Right, now);
         CHECK_FALSE(guard.admit(admin, now).has_to_wait);
-        static_cast<void>(guard.begun(admin, now));
+        static_cast<void>(guard.begun(LoginGuard::names_of(admin), now));
         CHECK(guard.admit(admin, now).has_to_wait);
     }
     SECTION("those that were not looked at are as if they had not been")
     {
         for (int i = 0; i < 5; ++i) {
-            guard.ended(admin, LoginGuard::End::NotLookedAt, now);
+            guard.ended(LoginGuard::names_of(admin), LoginGuard::End::NotLookedAt, now);
         }
         CHECK(guard.size() == 0);
     }
     SECTION("of a source, whatever the names")
     {
         for (int i = 0; i < 15; ++i) {
-            static_cast<void>(guard.begun({numbered("user", i), "AA", "192.0.2.1"}, now));
+            static_cast<void>(
+                guard.begun(LoginGuard::names_of({numbered("user", i), "AA", "192.0.2.1"}), now));
         }
         const LoginAttempt last{"user20", "AA", "192.0.2.1"};
         CHECK(guard.admit(last, now).has_to_wait);
-        guard.ended({"user3", "AA", "192.0.2.1"}, LoginGuard::End::Right, now);
+        guard.ended(LoginGuard::names_of({"user3", "AA", "192.0.2.1"}), LoginGuard::End::Right,
+                    now);
         CHECK_FALSE(guard.admit(last, now).has_to_wait);
     }
     SECTION("an end that comes after its beginning was forgotten is a failure by itself")
     {
         now += 300s;
         static_cast<void>(guard.failed({"maria", "AA", "192.0.2.1"}, now)); // makes room
-        guard.ended(admin, LoginGuard::End::Wrong, now);
+        guard.ended(LoginGuard::names_of(admin), LoginGuard::End::Wrong, now);
         CHECK(fail(admin, 100).size() == 4);
     }
 }

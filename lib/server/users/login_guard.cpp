@@ -1,6 +1,9 @@
 #include "login_guard.hpp"
 
 #include <algorithm>
+#include <utility>
+
+#include <busbar/core/detail/guarded.hpp>
 
 namespace busbar::server::detail {
 
@@ -16,6 +19,15 @@ constexpr std::size_t max_sources_per_user = 8;
 std::string_view cut(std::string_view name)
 {
     return name.substr(0, max_name_size);
+}
+
+/// The table takes `more` entries without memory afterwards.
+template <typename Entry>
+void make_room(std::vector<Entry>& table, std::size_t more = 1)
+{
+    if (table.capacity() - table.size() < more) {
+        table.reserve(table.size() + std::max(table.size(), more));
+    }
 }
 
 /// Returns null if there is none, however old it may be.
@@ -69,12 +81,15 @@ bool LoginGuard::has_place(const std::vector<Entry>& table, std::size_t most, Ti
 }
 
 template <typename Entry>
-Entry* LoginGuard::count_in(std::vector<Entry>& table, std::string_view name, std::size_t most,
-                            TimePoint now) const
+Entry* LoginGuard::count_in(std::vector<Entry>& table, Entry made, std::string_view name,
+                            std::size_t most, TimePoint now) const
 {
     std::erase_if(table, [&](const Entry& entry) { return is_forgiven(entry, now); });
-    if (const Entry* known = find(table, name, now)) {
-        return const_cast<Entry*>(known);
+    if (Entry* const known = named(table, name)) {
+        return known;
+    }
+    if (made.name != cut(name)) {
+        return nullptr; // it has just made room for the attempt's other source
     }
     if (table.size() >= std::max<std::size_t>(most, 1)) {
         const auto least =
@@ -86,24 +101,44 @@ Entry* LoginGuard::count_in(std::vector<Entry>& table, std::string_view name, st
         }
         table.erase(least);
     }
-    Entry& made = table.emplace_back();
-    made.name = cut(name);
-    return &made;
+    return &table.emplace_back(std::move(made));
 }
 
-LoginGuard::Names LoginGuard::source_names(const LoginAttempt& attempt)
+template <typename Entry>
+Entry LoginGuard::make_entry(std::vector<Entry>& table, std::string_view name, TimePoint now) const
 {
-    std::string network = network_of(attempt.address);
+    Entry made;
+    if (find(table, name, now) == nullptr) {
+        make_room(table);
+        made.name = cut(name);
+    }
+    return made;
+}
+
+LoginGuard::Made LoginGuard::make_entries(std::string_view source, std::string_view user,
+                                          TimePoint now)
+{
+    Made made;
+    made.source = make_entry(sources_, source, now);
+    const bool is_new = !made.source.name.empty();
+    made.user = make_entry(is_new ? made.source.users : named(sources_, source)->users, user, now);
+    return made;
+}
+
+LoginGuard::Names LoginGuard::names_of(const LoginAttempt& attempt)
+{
+    std::string user{cut(attempt.user)};
+    const std::string network = network_of(attempt.address);
     if (attempt.certificate.empty()) {
-        return {"address " + network, {}};
+        return {"address " + network, {}, std::move(user)};
     }
     return {"certificate " + std::string{attempt.certificate},
-            attempt.has_code ? std::string{} : "certificates from " + network};
+            attempt.has_code ? std::string{} : "certificates from " + network, std::move(user)};
 }
 
 std::string LoginGuard::source_of(const LoginAttempt& attempt)
 {
-    return source_names(attempt).first;
+    return names_of(attempt).first;
 }
 
 bool LoginGuard::knows(std::string_view source) const
@@ -174,7 +209,7 @@ LoginGuard::Admission LoginGuard::admit(const LoginAttempt& attempt, TimePoint n
     const auto is_free = [](const Admission& admission) {
         return !admission.is_locked && !admission.has_to_wait;
     };
-    const Names names = source_names(attempt);
+    const Names names = names_of(attempt);
     const Admission user = admit_user(names.first, attempt.user, now);
     if (!is_free(user) || is_known_good(attempt.user, names.first)) {
         return user;
@@ -187,31 +222,40 @@ LoginGuard::Admission LoginGuard::admit(const LoginAttempt& attempt, TimePoint n
     return {false, false, slow_down(attempt, names, now)};
 }
 
-std::size_t LoginGuard::count_at(std::string_view source, std::string_view user,
+std::size_t LoginGuard::count_at(std::string_view source, std::string_view user, Made made,
                                  std::size_t Count::*kind, TimePoint now)
 {
-    Source* from = count_in(sources_, source, limits_->max_login_entries, now);
+    Source* from =
+        count_in(sources_, std::move(made.source), source, limits_->max_login_entries, now);
     if (from == nullptr) {
         return limits_->max_login_failures;
     }
     ++(from->*kind);
     from->last = std::max(from->last, now);
-    if (Count* count = count_in(from->users, user, max_users_per_source, now)) {
+    if (Count* count =
+            count_in(from->users, std::move(made.user), user, max_users_per_source, now)) {
         ++(count->*kind);
         count->last = std::max(count->last, now);
     }
     return from->most();
 }
 
-std::size_t LoginGuard::count(const LoginAttempt& attempt, std::size_t Count::*kind, TimePoint now)
+std::size_t LoginGuard::count(const Names& names, std::size_t Count::*kind, TimePoint now)
 {
-    const Names names = source_names(attempt);
-    const std::size_t failures = count_at(names.first, attempt.user, kind, now);
-    if (!names.second.empty()) {
-        static_cast<void>(count_at(names.second, attempt.user, kind, now));
+    // All memory first: the attempt counts everywhere or nowhere.
+    const bool has_second = !names.second.empty();
+    make_room(sources_, 2);
+    Made first = make_entries(names.first, names.user, now);
+    Made second = has_second ? make_entries(names.second, names.user, now) : Made{};
+    Count user = names.user.empty() ? Count{} : make_entry(users_, names.user, now);
+
+    const std::size_t failures = count_at(names.first, names.user, std::move(first), kind, now);
+    if (has_second) {
+        static_cast<void>(count_at(names.second, names.user, std::move(second), kind, now));
     }
-    if (!attempt.user.empty()) {
-        if (Count* everywhere = count_in(users_, attempt.user, limits_->max_login_entries, now)) {
+    if (!names.user.empty()) {
+        if (Count* everywhere =
+                count_in(users_, std::move(user), names.user, limits_->max_login_entries, now)) {
             ++(everywhere->*kind);
             everywhere->last = std::max(everywhere->last, now);
         }
@@ -221,34 +265,35 @@ std::size_t LoginGuard::count(const LoginAttempt& attempt, std::size_t Count::*k
 
 Duration LoginGuard::failed(const LoginAttempt& attempt, TimePoint now)
 {
-    return delay_after(count(attempt, &Count::failures, now));
+    return delay_after(count(names_of(attempt), &Count::failures, now));
 }
 
-Duration LoginGuard::begun(const LoginAttempt& attempt, TimePoint now)
+Duration LoginGuard::begun(const Names& names, TimePoint now)
 {
-    return delay_after(count(attempt, &Count::checks, now));
+    return delay_after(count(names, &Count::checks, now));
 }
 
-void LoginGuard::ended(const LoginAttempt& attempt, End end, TimePoint now)
+void LoginGuard::ended(const Names& names, End end, TimePoint now)
 {
-    release(attempt);
+    // Last, so that a wrong one becomes a failure of entries that are there, without memory.
+    const busbar::detail::Undo at_the_end{[&] { release(names); }};
     if (end == End::Wrong) {
-        static_cast<void>(failed(attempt, now));
+        static_cast<void>(count(names, &Count::failures, now));
     } else if (end == End::Right) {
-        succeeded(attempt);
+        count_success(names);
     }
 }
 
-void LoginGuard::release(const LoginAttempt& attempt)
+void LoginGuard::release(const Names& names)
 {
-    const Names names = source_names(attempt);
-    for (const std::string& name : {names.first, names.second}) {
+    for (const std::string_view name :
+         {std::string_view{names.first}, std::string_view{names.second}}) {
         if (Source* const source = named(sources_, name)) {
-            release_check(source->users, attempt.user);
+            release_check(source->users, names.user);
             release_check(sources_, name);
         }
     }
-    release_check(users_, attempt.user);
+    release_check(users_, names.user);
 }
 
 void LoginGuard::forgive(std::string_view name, std::string_view user)
@@ -266,6 +311,8 @@ void LoginGuard::forgive(std::string_view name, std::string_view user)
 
 void LoginGuard::remember(std::string_view user, std::string_view source)
 {
+    Success made{std::string{cut(user)}, std::string{cut(source)}};
+    make_room(known_good_);
     const auto is_users = [&](const Success& s) { return s.user == cut(user); };
     std::erase_if(known_good_,
                   [&](const Success& s) { return is_users(s) && s.source == cut(source); });
@@ -275,17 +322,22 @@ void LoginGuard::remember(std::string_view user, std::string_view source)
     } else if (known_good_.size() >= std::max<std::size_t>(limits_->max_login_entries, 1)) {
         known_good_.erase(known_good_.begin());
     }
-    known_good_.push_back({std::string{cut(user)}, std::string{cut(source)}});
+    known_good_.push_back(std::move(made));
 }
 
 void LoginGuard::succeeded(const LoginAttempt& attempt)
 {
-    const Names names = source_names(attempt);
-    for (const std::string& source : {names.first, names.second}) {
-        forgive(source, attempt.user);
+    count_success(names_of(attempt));
+}
+
+void LoginGuard::count_success(const Names& names)
+{
+    if (!names.user.empty()) {
+        remember(names.user, names.first);
     }
-    if (!attempt.user.empty()) {
-        remember(attempt.user, names.first);
+    for (const std::string_view source :
+         {std::string_view{names.first}, std::string_view{names.second}}) {
+        forgive(source, names.user);
     }
 }
 

@@ -77,12 +77,23 @@ public:
     /// The attempt was right.
     void succeeded(const LoginAttempt& attempt);
 
+    /// The names that an attempt counts for.
+    struct Names {
+        /// The sources; the first is the more exact one.
+        std::string first;
+        std::string second; // empty without a certificate and for a code
+        std::string user;
+    };
+    [[nodiscard]] static Names names_of(const LoginAttempt& attempt);
+
     /// The end of a check that takes time.
     enum class End : std::uint8_t { Right, Wrong, NotLookedAt };
-    /// The check of an admitted attempt is under way, until ended() is called with the same
-    /// attempt. Returns the delay of its answer if it is wrong.
-    [[nodiscard]] Duration begun(const LoginAttempt& attempt, TimePoint now);
-    void ended(const LoginAttempt& attempt, End end, TimePoint now);
+    /// The check of an admitted attempt is under way, until ended() is called with the same names.
+    /// Returns the delay of its answer if it is wrong. Counts nothing if it throws.
+    [[nodiscard]] Duration begun(const Names& names, TimePoint now);
+    /// Ends the check, also if it throws. A failure takes memory only where the entry of the check
+    /// has been displaced or forgiven meanwhile.
+    void ended(const Names& names, End end, TimePoint now);
 
     /// Returns the key for rationing the cost of logins: the client's certificate, without one its
     /// network.
@@ -115,13 +126,12 @@ private:
         std::string user;
         std::string source;
     };
-    /// The names of the sources that an attempt counts for; the first is the more exact one.
-    struct Names {
-        std::string first;
-        std::string second; // empty without a certificate and for a code
+    /// Entries for a source and a user there, without names where there are entries already.
+    struct Made {
+        Source source;
+        Count user;
     };
 
-    [[nodiscard]] static Names source_names(const LoginAttempt& attempt);
     /// Returns true if there is room for a new entry.
     template <typename Entry>
     [[nodiscard]] bool has_place(const std::vector<Entry>& table, std::size_t most,
@@ -129,10 +139,16 @@ private:
     template <typename Entry>
     [[nodiscard]] const Entry* find(const std::vector<Entry>& table, std::string_view name,
                                     TimePoint now) const;
-    /// Returns the entry, a new one if it is missing; null if there is no room for it.
+    /// Returns the entry, `made` if it is missing; null if there is no room for it. Takes no memory
+    /// after make_entry.
     template <typename Entry>
-    [[nodiscard]] Entry* count_in(std::vector<Entry>& table, std::string_view name,
+    [[nodiscard]] Entry* count_in(std::vector<Entry>& table, Entry made, std::string_view name,
                                   std::size_t most, TimePoint now) const;
+    /// Makes an entry if it is missing, and room for it.
+    template <typename Entry>
+    [[nodiscard]] Entry make_entry(std::vector<Entry>& table, std::string_view name,
+                                   TimePoint now) const;
+    [[nodiscard]] Made make_entries(std::string_view source, std::string_view user, TimePoint now);
     [[nodiscard]] bool is_forgiven(const Count& count, TimePoint now) const;
     [[nodiscard]] bool is_known_good(std::string_view user, std::string_view source) const;
     /// Decides by the failures alone, or else by the pending checks.
@@ -145,12 +161,13 @@ private:
                                      TimePoint now) const;
     [[nodiscard]] Duration delay_after(std::size_t failures) const;
     /// Counts one more of a kind everywhere the attempt counts; returns the number of failures of
-    /// the first source if all its checks are wrong.
-    std::size_t count(const LoginAttempt& attempt, std::size_t Count::*kind, TimePoint now);
-    std::size_t count_at(std::string_view source, std::string_view user, std::size_t Count::*kind,
-                         TimePoint now);
+    /// the first source if all its checks are wrong. Counts nothing if it throws.
+    std::size_t count(const Names& names, std::size_t Count::*kind, TimePoint now);
+    std::size_t count_at(std::string_view source, std::string_view user, Made made,
+                         std::size_t Count::*kind, TimePoint now);
     /// A check has ended.
-    void release(const LoginAttempt& attempt);
+    void release(const Names& names);
+    void count_success(const Names& names);
     void forgive(std::string_view source, std::string_view user);
     void remember(std::string_view user, std::string_view source);
 

@@ -20,19 +20,17 @@ void PasswordCheck::run(UserStore& from)
 
 Duration PasswordCheck::begin(LoginGuard& guard, const LoginAttempt& attempt, TimePoint now)
 {
-    // `name` is the attempt's user.
-    address_ = attempt.address;
-    certificate_ = attempt.certificate;
-    has_code_ = attempt.has_code;
+    names_ = LoginGuard::names_of(attempt);
     since_ = now;
-    guard_ = &guard; // begun() may throw when it has counted a part of it
-    return guard.begun(attempt, now);
+    const Duration delay = guard.begun(names_, now);
+    guard_ = &guard;
+    return delay;
 }
 
 void PasswordCheck::end(LoginGuard::End how)
 {
     if (LoginGuard* const guard = std::exchange(guard_, nullptr)) {
-        guard->ended({name, certificate_, address_, has_code_}, how, since_);
+        guard->ended(names_, how, since_);
     }
 }
 

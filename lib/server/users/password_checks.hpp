@@ -45,7 +45,7 @@ struct PasswordCheck final : WorkItem, private WorkOwner {
     // The following members are called on the server's thread.
 
     /// The guard, which must outlive the check, counts it from now on. Returns the delay of the
-    /// answer if the password is wrong. Call end() also if it throws.
+    /// answer if the password is wrong.
     [[nodiscard]] Duration begin(LoginGuard& guard, const LoginAttempt& attempt, TimePoint now);
     /// Tells the guard how it ended, if it was begun and has not ended before.
     void end(LoginGuard::End how);
@@ -67,10 +67,8 @@ private:
     std::atomic<bool> is_wanted_{true};
     bool was_compared_{false};
     LoginGuard* guard_{nullptr};
-    /// The attempt for the guard, and when it began.
-    std::string address_;
-    std::string certificate_;
-    bool has_code_{false};
+    /// What the attempt counts for, and when it began.
+    LoginGuard::Names names_;
     TimePoint since_;
 };
 
