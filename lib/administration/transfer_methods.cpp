@@ -25,6 +25,11 @@ constexpr const char* no_such_file =
 constexpr const char* no_room =
     "too many file transfers are in progress; try again when they are done";
 
+TransferRequest request_of(const MethodCall& call, const Variant& options)
+{
+    return {options, call.user(), call.session_id(), &call.method_id()};
+}
+
 } // namespace
 
 const std::array<TransferNodes::Declared, 9> TransferNodes::declared{{
@@ -74,8 +79,7 @@ void TransferNodes::generate_for_read(MethodCall& call)
     if (!room) {
         return call.fail(room.error(), no_room);
     }
-    auto bytes =
-        transfer_.owner->generate({call.inputs()[0], call.user(), call.session_id()}, *room);
+    auto bytes = transfer_.owner->generate(request_of(call, call.inputs()[0]), *room);
     if (!bytes) {
         return call.fail(bytes.error(), transfer_.owner->why_refused());
     }
@@ -97,7 +101,7 @@ void TransferNodes::generate_for_write(MethodCall& call)
         return call.fail(room.error(), no_room);
     }
     const Variant& options = call.inputs()[0];
-    const administration::TransferRequest request{options, call.user(), call.session_id()};
+    const TransferRequest request = request_of(call, options);
     if (const StatusCode may = transfer_.owner->may_take(request); may.is_bad()) {
         return call.fail(may, transfer_.owner->why_refused());
     }
@@ -120,7 +124,7 @@ void TransferNodes::close_and_commit(MethodCall& call)
                                                        ? "the file is already being processed"
                                                        : "the file is for reading");
     }
-    const administration::TransferRequest request{file->options, call.user(), call.session_id()};
+    const TransferRequest request = request_of(call, file->options);
     auto outputs = one_output(Variant{NodeId{}});
     const StatusCode may = transfer_.owner->may_take(request);
     if (may.is_good() && is_taking_) {
@@ -153,7 +157,7 @@ void TransferNodes::close_and_commit(MethodCall& call)
             done = check_still(server_, holder, kept->object_id(), kept->method_id());
         }
         if (done.is_good()) {
-            done = transfer_.owner->take({options, kept->user(), kept->session_id()}, *bytes);
+            done = transfer_.owner->take(request_of(*kept, options), *bytes);
             reason = transfer_.owner->why_refused();
         }
         end_taking(*kept, prepared, done, std::move(outputs), std::move(reason));

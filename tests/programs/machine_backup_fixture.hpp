@@ -11,8 +11,11 @@
 #include <string>
 #include <vector>
 
+#include <busbar/administration/audit_log.hpp>
 #include <busbar/core/record.hpp>
+#include <busbar/server/event.hpp>
 #include <busbar/storage/memory_storage.hpp>
+#include <busbar/types/ids.hpp>
 
 #include "product/machine/machine_files.hpp"
 #include "product/machine/machine_items.hpp"
@@ -72,6 +75,7 @@ struct BackupFixture {
 
     void start()
     {
+        audit.attach(audit_events, "urn:busbar:test:press");
         gate = std::make_unique<StorageGate>(files);
         backup = std::make_unique<MachineBackup>(MachineBackup::Needs{
             .files = all,
@@ -87,7 +91,7 @@ struct BackupFixture {
                 },
             .controller = "Press 4",
             .clock = clock,
-            .log = log,
+            .log = audit,
             .mode = [this] { return mode; },
             .hold_files =
                 [this](FunctionRef<void()> act) {
@@ -129,7 +133,7 @@ struct BackupFixture {
 
     [[nodiscard]] Result<Bytes> generate(const Variant& options, const NodeId& session = {1, 1})
     {
-        return backup->generate({options, user, session}, 1'000'000);
+        return backup->generate({options, user, session, &method}, 1'000'000);
     }
     /// The backup of somebody who does not look at his settings.
     [[nodiscard]] Bytes with_settings(const std::string& document)
@@ -151,14 +155,25 @@ struct BackupFixture {
                                    const NodeId& session = {1, 1})
     {
         const Variant wish{options};
-        const StatusCode may = backup->may_take({wish, user, session});
+        const administration::TransferRequest request{wish, user, session, &method};
+        const StatusCode may = backup->may_take(request);
         if (may.is_bad()) {
             return std::string{name(may)};
         }
-        if (const auto prepare = backup->preparation({wish, user, session}, bytes)) {
+        if (const auto prepare = backup->preparation(request, bytes)) {
             prepare();
         }
-        return std::string{name(backup->take({wish, user, session}, bytes))};
+        return std::string{name(backup->take(request, bytes))};
+    }
+    /// The types of the audit events since the last call.
+    [[nodiscard]] std::vector<NodeId> audited()
+    {
+        std::vector<NodeId> types;
+        server::Event event;
+        while (audit_events->next(event)) {
+            types.push_back(event.event_type);
+        }
+        return types;
     }
     [[nodiscard]] Bytes made()
     {
@@ -183,7 +198,11 @@ struct BackupFixture {
     MachineFiles all{files, events};
     StillClock clock;
     RecordedLog log;
+    administration::AuditLog audit{log};
+    std::shared_ptr<server::EventQueue> audit_events{
+        std::make_shared<server::EventQueue>(clock, nullptr, 16)};
     server::UserIdentity user{.name = "chief"};
+    NodeId method{0, id::TemporaryFileTransferType_CloseAndCommit};
     controller::MachineMode mode{controller::MachineMode::Program};
     int holds{0};
     int restarts{0};

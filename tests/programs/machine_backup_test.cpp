@@ -93,6 +93,28 @@ TEST_CASE_METHOD(BackupFixture, "machine backup: what is restored stays until th
     CHECK(log.kinds == Kinds{RecordKind::SettingsChanged});
 }
 
+TEST_CASE_METHOD(BackupFixture, "machine backup: a Method has one audit event (Part 4, 6.5.9)")
+{
+    // Which it gets as a Call. Trust lists that it has changed have another one (Part 12,
+    // 7.8.2.13).
+    using Types = std::vector<NodeId>;
+    const Types trust_lists{NodeId{0, id::TrustListUpdatedAuditEventType}};
+    const Bytes file = made();
+    CHECK(take("verify", file) == "Good");
+    CHECK(audited() == Types{});
+    CHECK(take("restore", file) == "Good");
+    CHECK(audited() == trust_lists);
+    start();
+    CHECK(take("restore without security profile", file) == "Good");
+    CHECK(audited() == Types{});
+    start();
+    CHECK(take("clear", {}) == "Good");
+    CHECK(audited() == Types{});
+    start();
+    CHECK(take("clear with security", {}) == "Good");
+    CHECK(audited() == trust_lists);
+}
+
 TEST_CASE_METHOD(BackupFixture, "machine backup: what makes no sense changes nothing")
 {
     const Bytes file = made();

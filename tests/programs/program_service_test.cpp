@@ -8,7 +8,10 @@
 #include <string>
 #include <thread>
 
+#include <busbar/administration/audit_log.hpp>
 #include <busbar/core/status_codes.hpp>
+#include <busbar/server/event.hpp>
+#include <busbar/types/ids.hpp>
 
 #include "product/configuration/config.hpp"
 
@@ -32,7 +35,7 @@ struct ServiceFixture {
     [[nodiscard]] std::string send(const char* wish, const std::string& file)
     {
         const Variant options{wish};
-        const administration::TransferRequest request{options, user, tool};
+        const administration::TransferRequest request{options, user, tool, &method};
         const auto bytes = std::as_bytes(std::span{file});
         if (const auto prepare = service.preparation(request, bytes)) {
             std::thread{prepare}.join();
@@ -57,8 +60,10 @@ struct ServiceFixture {
     }
 
     NodeId tool{1, "tool"};
+    NodeId method{0, id::TemporaryFileTransferType_CloseAndCommit};
     server::UserIdentity user;
-    NullLog log;
+    NullLog lines;
+    administration::AuditLog log{lines};
     FixedClock clock;
     std::optional<ProgramChange> asked;
     ProgramService service{
@@ -120,6 +125,19 @@ TEST_CASE("Program service: a program that cannot be read changes nothing", )
     CHECK(controller.report().find("b.st:2:") != std::string::npos);
     CHECK(controller.send("download b.st", declarations) == "Good");
     CHECK(controller.asked);
+}
+
+TEST_CASE("Program service: a Method has one audit event (Part 4, 6.5.9)", )
+{
+    ServiceFixture controller;
+    const auto events = std::make_shared<server::EventQueue>(controller.clock, nullptr, 16);
+    controller.log.attach(events, "urn:busbar:test:press");
+    for (const char* wish : {"download b.st", "edit b.st"}) {
+        CHECK(controller.send(wish, declarations) == "Good");
+    }
+    CHECK(controller.send("mode RUN", "") == "Good");
+    server::Event event;
+    CHECK_FALSE(events->next(event));
 }
 
 } // namespace program_service_test

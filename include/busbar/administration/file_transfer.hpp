@@ -30,12 +30,15 @@ struct TransferLimits {
     std::size_t max_written{8};
 };
 
-/// A client's request: its generateOptions, of any type or null, its user and session. Valid for
-/// the duration of the call.
+/// A client's request: its generateOptions, of any type or null, its user and session, and the
+/// Method that it calls. Valid for the duration of the call. A record of what the request changes
+/// names the Method in its field MethodId, since the Method has an audit event already (AuditLog).
 struct TransferRequest {
     const Variant& options;
     const server::UserIdentity& user;
     const NodeId& session;
+    /// Null for a request that is not a Call.
+    const NodeId* method{nullptr};
 };
 
 /// The program on the other side of a TemporaryFileTransfer: it creates files and takes them.

@@ -67,4 +67,19 @@ StatusCode ReportingOwner::report(const TransferRequest& request,
     return status;
 }
 
+void ReportingOwner::tell_changed(const TransferRequest& request, RecordKind kind) const
+{
+    busbar::detail::attempt([&] {
+        std::vector<RecordField> fields;
+        if (request.method != nullptr) {
+            fields.push_back({"MethodId", Variant{*request.method}});
+        }
+        Record record{.kind = kind, .source = source_};
+        record.actor.session_id = &request.session;
+        record.actor.user = request.user.name;
+        record.fields = fields;
+        tell(log_, record);
+    });
+}
+
 } // namespace busbar::product

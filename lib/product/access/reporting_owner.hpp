@@ -7,6 +7,7 @@
 #include <busbar/administration/file_transfer.hpp>
 #include <busbar/core/log.hpp>
 #include <busbar/core/problem.hpp>
+#include <busbar/core/record.hpp>
 
 namespace busbar::product {
 
@@ -33,6 +34,9 @@ protected:
     /// `verb`; an empty one means that nothing was to change.
     [[nodiscard]] StatusCode report(const administration::TransferRequest& request,
                                     const Configured<std::string>& done, std::string_view verb);
+    /// Records what the request has changed. A record that there is no memory for is lost, since
+    /// the change is made.
+    void tell_changed(const administration::TransferRequest& request, RecordKind kind) const;
 
 private:
     struct Report {

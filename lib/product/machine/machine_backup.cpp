@@ -67,24 +67,6 @@ std::string report_of(const std::vector<controller::VerifiedItem>& items)
     return json.take();
 }
 
-/// Records the replaced parts for audit events, one record for each kind that OPC UA knows.
-void tell_replaced(LogSink& log, const TransferRequest& request, bool with_security)
-{
-    Record record{.source = source};
-    record.actor.session_id = &request.session;
-    record.actor.user = request.user.name;
-    const auto tell_of = [&](RecordKind kind) {
-        record.kind = kind;
-        tell(log, record);
-    };
-    tell_of(RecordKind::SettingsChanged);
-    if (with_security) {
-        tell_of(RecordKind::UsersChanged);
-        tell_of(RecordKind::RolesChanged);
-        tell_of(RecordKind::TrustListUpdated);
-    }
-}
-
 } // namespace
 
 struct MachineBackup::Wish {
@@ -203,10 +185,21 @@ StatusCode MachineBackup::take(const TransferRequest& request, std::span<const s
     auto wish = wish_of(request.options);
     const auto done = carry_out(*wish, bytes);
     if (done && wish->task != Wish::Task::Verify) {
-        busbar::detail::attempt([&] { tell_replaced(needs_.log, request, wish->with_security); });
+        tell_replaced(request, wish->with_security);
     }
     const std::string_view options = request.options.get_if<String>()->view();
     return report(request, done, options.substr(0, options.find('\n')));
+}
+
+/// One record for each kind that OPC UA knows.
+void MachineBackup::tell_replaced(const TransferRequest& request, bool with_security) const
+{
+    tell_changed(request, RecordKind::SettingsChanged);
+    if (with_security) {
+        tell_changed(request, RecordKind::UsersChanged);
+        tell_changed(request, RecordKind::RolesChanged);
+        tell_changed(request, RecordKind::TrustListUpdated);
+    }
 }
 
 std::function<void()> MachineBackup::preparation(const TransferRequest& request,

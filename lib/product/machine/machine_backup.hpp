@@ -44,7 +44,8 @@ namespace busbar::product {
 /// Clear All Memory requires PROGRAM mode, and answers Bad_InvalidState in RUN (W588, 8-3).
 ///
 /// Records of settings, users, roles, trust lists and certificates tell what a restore or a
-/// clearing has replaced; audit events are made from them (Part 5, 6.4).
+/// clearing has replaced. The Method has one audit event, trust lists have another one (Part 12,
+/// 7.8.2.13).
 ///
 /// After a power cut administration::finish_changes, which owns the transaction, finishes it at the
 /// next start. Used on the server's thread.
@@ -101,6 +102,7 @@ private:
                                                  std::span<const std::byte> bytes) const;
     [[nodiscard]] Configured<std::string> clear(const Wish& wish);
     void values_replaced() const;
+    void tell_replaced(const administration::TransferRequest& request, bool with_security) const;
 
     Needs needs_;
     controller::MachineMemory memory_;

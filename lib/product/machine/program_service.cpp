@@ -253,10 +253,7 @@ StatusCode ProgramService::take(const TransferRequest& request, std::span<const 
                                 {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     const bool has_changed = wish->task != Wish::Task::Check && wish->task != Wish::Task::Compare;
     if (done && has_changed) {
-        Record record{.kind = RecordKind::SettingsChanged, .source = program_source};
-        record.actor.session_id = &request.session;
-        record.actor.user = request.user.name;
-        busbar::detail::attempt([&] { tell(needs_.log, record); });
+        tell_changed(request, RecordKind::SettingsChanged);
     }
     return report(request, done, has_changed ? wish->verb : std::string_view{});
 }
