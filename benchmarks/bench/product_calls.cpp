@@ -22,9 +22,11 @@ struct ProductCommand {
     std::string_view name;
     /// Words for `busbar`; empty: files are read again.
     std::string_view words;
+    /// The server starts again some seconds after it.
+    bool restarts{false};
 };
 
-constexpr std::array<ProductCommand, 15> machine_commands{{
+constexpr std::array<ProductCommand, 17> machine_commands{{
     {"program check", "admin program check added.st"},
     {"program compare", "admin program compare first.st"},
     {"program edit, 3 more", "admin program edit added.st --yes"},
@@ -39,7 +41,9 @@ constexpr std::array<ProductCommand, 15> machine_commands{{
     {"mode program", "admin mode program --yes"},
     {"log", "admin log -n 20"},
     {"status", "admin status"},
-    {"restore", "admin restore all.backup --yes"}, // it starts again some seconds later
+    {"restart", "admin shutdown --restart --seconds 0 --yes", true},
+    {"restore, with its restart", "admin restore all.backup --yes", true},
+    {"clear, with its restart", "admin clear --yes", true},
 }};
 
 constexpr std::array<ProductCommand, 9> model_commands{{
@@ -48,9 +52,9 @@ constexpr std::array<ProductCommand, 9> model_commands{{
     {"project verify", "project verify first.busbar"},
     {"project write, the same", "project write first.busbar --yes"},
     {"project read", "project read read.busbar --yes"},
-    {"project restart", "project restart --yes"},
+    {"project restart", "project restart --yes", true},
     {"project write, another", "project write second.busbar --yes"},
-    {"project restart, another", "project restart --yes"},
+    {"project restart, another", "project restart --yes", true},
     {"labels read again", {}},
 }};
 
@@ -74,8 +78,7 @@ Result<HostileRow> play(Load& load, OwnController& controller, const ToolUser& t
             is_well = tool.run("SecurityAdmin", command.words);
         }
         ++(is_well ? row.answered : row.refused);
-        const bool restarts = command.words.find("restart") != std::string_view::npos;
-        std::this_thread::sleep_for(aftermath + (restarts ? restart_time : 0ms));
+        std::this_thread::sleep_for(aftermath + (command.restarts ? restart_time : 0ms));
         is_done = true;
     }};
     const auto read = client.read_while([&](double) { return !is_done; }, row);
