@@ -15,8 +15,9 @@ using namespace std::chrono_literals;
 
 /// What follows a command, such as a program that takes over, is the command's too.
 constexpr std::chrono::milliseconds aftermath{500};
-/// The server restarts some seconds after it was asked to, and refuses other commands until then.
-constexpr std::chrono::milliseconds restart_time{4'000};
+/// The server restarts up to ten seconds after it was asked to, and refuses other commands until
+/// then.
+constexpr std::chrono::milliseconds restart_time{12'000};
 
 struct ProductCommand {
     std::string_view name;
