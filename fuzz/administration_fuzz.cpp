@@ -165,10 +165,13 @@ struct Fixture : Backend, fuzz::ServerSession {
     {
         const bool is_over = fuzz::ServerSession::disconnect();
         files.set_protected(false);
-        const bool is_restored = !kept_files.restore() || undo_roles();
-        administration.refresh_files();
-        for (const char* path : {"/d", "/a", "/d/a"}) {
-            open_to_all(path);
+        const bool had_changed = kept_files.restore();
+        const bool is_restored = !had_changed || undo_roles();
+        if (had_changed) {
+            administration.refresh_files();
+            for (const char* path : {"/d", "/a", "/d/a"}) {
+                open_to_all(path);
+            }
         }
         handles_before = handles;
         targets.resize(lasting_targets);
