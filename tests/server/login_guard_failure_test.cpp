@@ -92,7 +92,7 @@ TEST_CASE("a check that begins without memory counts nowhere, and takes nothing 
     CHECK(k > 3);
 }
 
-TEST_CASE("a wrong password counts though there is no memory when its check ends")
+TEST_CASE("a wrong password counts without memory at the end of its check")
 {
     CheckedWorld world;
     PasswordCheck last;
