@@ -24,6 +24,15 @@ std::span<const std::byte> bytes_of(const String& text)
     return std::as_bytes(std::span{text.view()});
 }
 
+/// Part 6, 5.2.2.4. A ByteString is not one.
+void encode_checked(binary::Writer& writer, const String& value)
+{
+    if (writer.checks_texts() && !busbar::detail::is_valid_text(value.view())) {
+        writer.fail(status::Bad_EncodingError);
+    }
+    encode_text(writer, value, bytes_of(value));
+}
+
 /// Returns the bytes of a String or ByteString; sets `is_null` if it is null.
 std::span<const std::byte> decode_text(binary::Reader& reader, std::uint32_t limit, bool& is_null)
 {
@@ -49,12 +58,12 @@ void encode(binary::Writer& writer, double value)
 
 void encode(binary::Writer& writer, const String& value)
 {
-    encode_text(writer, value, bytes_of(value));
+    encode_checked(writer, value);
 }
 
 void encode(binary::Writer& writer, const XmlElement& value)
 {
-    encode_text(writer, value, bytes_of(value));
+    encode_checked(writer, value);
 }
 
 void encode(binary::Writer& writer, const ByteString& value)
@@ -115,7 +124,7 @@ void decode(binary::Reader& reader, String& value)
     // A server borrows from requests, and passes on what it takes: a text that is not UTF-8 (Part
     // 6, 5.2.2.4) would cost other clients whole responses. A client owns what it gets, and loses
     // nothing else of a response that has such a text.
-    if (!busbar::detail::is_ascii(text) && !busbar::detail::is_utf8(text)) {
+    if (!busbar::detail::is_valid_text(text)) {
         reader.fail(status::Bad_DecodingError);
     }
     value = String::borrow(text);

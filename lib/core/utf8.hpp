@@ -40,6 +40,12 @@ namespace busbar::detail {
     return ((all | word) & 0x8080'8080'8080'8080U) == 0;
 }
 
+/// Returns what is_utf8 returns, sooner for short texts of ASCII.
+[[nodiscard]] inline bool is_valid_text(std::string_view text)
+{
+    return is_ascii(text) || is_utf8(text);
+}
+
 /// Returns whether the sequence changes the direction of the text around it, so that it reads as
 /// another one (Unicode's Bidi_Control).
 [[nodiscard]] BUSBAR_API bool is_bidi_control(std::string_view sequence);

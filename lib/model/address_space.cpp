@@ -1,5 +1,6 @@
 #include <busbar/model/address_space.hpp>
 
+#include "core/utf8.hpp"
 #include "tables.hpp"
 
 namespace busbar::model {
@@ -17,6 +18,9 @@ Result<std::uint16_t> AddressSpace::add_namespace(std::string_view uri)
 {
     if (const auto known = namespace_index(uri)) {
         return *known;
+    }
+    if (!busbar::detail::is_valid_text(uri)) {
+        return fail(status::Bad_EncodingError);
     }
     if (namespace_count() > UINT16_MAX) {
         return fail(status::Bad_TooManyOperations);

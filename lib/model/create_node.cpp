@@ -3,6 +3,7 @@
 
 #include "core/utf8.hpp"
 #include "tables.hpp"
+#include "translations.hpp"
 
 namespace busbar::model {
 
@@ -21,7 +22,8 @@ bool is_valid_id(const SpaceReader& space, const NodeId& id)
         return false;
     }
     if (id.id_type() == IdType::String) {
-        return !id.string().empty() && id.string().size() <= max_identifier_size;
+        return !id.string().empty() && id.string().size() <= max_identifier_size &&
+               busbar::detail::is_valid_text(id.string().view());
     }
     return id.id_type() != IdType::Opaque ||
            (!id.opaque().empty() && id.opaque().size() <= max_identifier_size);
@@ -74,8 +76,12 @@ StatusCode check_names(const SpaceReader& space, const Tables& tables, const New
     }
     const QualifiedName& name = node.browse_name;
     if (name.name.empty() || name.name.size() > busbar::detail::max_browse_name ||
-        name.namespace_index >= space.namespace_count()) {
+        name.namespace_index >= space.namespace_count() ||
+        !busbar::detail::is_valid_text(name.name.view())) {
         return status::Bad_BrowseNameInvalid;
+    }
+    if (!detail::is_valid_text(node.display_name) || !detail::is_valid_text(node.description)) {
+        return status::Bad_EncodingError;
     }
     bool is_taken = tables.find_child(node.parent, name, [&](NodeIndex child) {
         return tables.links(child).parent_reference == reference;

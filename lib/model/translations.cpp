@@ -221,6 +221,9 @@ Result<void> AddressSpace::set_text(NodeIndex node, AttributeId attribute, DataV
     if (sent == nullptr) {
         return fail(status::Bad_TypeMismatch);
     }
+    if (!detail::is_valid_text(*sent)) {
+        return fail(status::Bad_EncodingError);
+    }
     if (!has_attribute(node_class(node), attribute) ||
         (!is_value && attribute != AttributeId::DisplayName &&
          attribute != AttributeId::Description && attribute != AttributeId::InverseName)) {
@@ -259,12 +262,18 @@ Result<void> AddressSpace::set_text(NodeIndex node, AttributeId attribute, DataV
 
 void AddressSpace::set_display_name(NodeIndex node, LocalizedText text)
 {
+    if (!detail::is_valid_text(text)) {
+        return;
+    }
     tables_->translations.erase(node, AttributeId::DisplayName);
     set_first(*tables_, node, AttributeId::DisplayName, std::move(text));
 }
 
 void AddressSpace::set_description(NodeIndex node, LocalizedText text)
 {
+    if (!detail::is_valid_text(text)) {
+        return;
+    }
     tables_->translations.erase(node, AttributeId::Description);
     set_first(*tables_, node, AttributeId::Description, std::move(text));
 }

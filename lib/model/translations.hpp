@@ -11,6 +11,7 @@
 #include <busbar/model/node.hpp>
 
 #include "core/ascii_case.hpp"
+#include "core/utf8.hpp"
 #include "record.hpp"
 
 namespace busbar::model::detail {
@@ -25,6 +26,13 @@ struct Translation {
 [[nodiscard]] inline bool is_same_locale(std::string_view a, std::string_view b)
 {
     return busbar::detail::is_same_ignoring_case(a, b);
+}
+
+/// Returns whether both parts are UTF-8 (Part 6, 5.2.2.4).
+[[nodiscard]] inline bool is_valid_text(const LocalizedText& text)
+{
+    return busbar::detail::is_valid_text(text.locale.view()) &&
+           busbar::detail::is_valid_text(text.text.view());
 }
 
 /// Texts in further locales than the first, by node; few nodes have any.

@@ -239,6 +239,20 @@ TEST_CASE_METHOD(MotorFixture, "texts in structures begin as null")
     CHECK(*seen->value("Name") == Variant{String{}});
 }
 
+TEST_CASE_METHOD(MotorFixture, "a structure whose text is not UTF-8 is refused (Part 6, 5.2.2.4)")
+{
+    fill(image->memory().structure(motor), 10);
+    fill(image->memory().structure(motors, 1), 3);
+    CHECK(image->memory().structure(motors, 1).set_text(Name, "ab\xC3"));
+    image->publish(at(2));
+    const auto read = caller->read({motors, motor, motors, number});
+    CHECK(read[0].status == status::Bad_EncodingError);
+    CHECK(read[1].status == status::Good);
+    CHECK_FALSE(read[1].value.is_null());
+    CHECK(read[2].status == status::Bad_EncodingError);
+    CHECK(read[3].status == status::Good);
+}
+
 TEST_CASE_METHOD(MotorFixture, "a structure is written as a whole at the scan's edge")
 {
     fill(image->memory().structure(motors, 1), 3);

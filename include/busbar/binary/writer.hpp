@@ -44,7 +44,8 @@ public:
         const Writer& outer;
     };
     Writer(Sink& sink, Measure measure)
-        : sink_{&sink}, depth_{measure.outer.depth_}, is_measuring_{true}
+        : sink_{&sink}, depth_{measure.outer.depth_}, is_measuring_{true},
+          checks_texts_{measure.outer.checks_texts_}
     {
     }
 
@@ -96,6 +97,9 @@ public:
     }
     /// True for a Writer that only counts and discards its input.
     [[nodiscard]] bool is_measuring() const { return is_measuring_; }
+    /// From now on fails with Bad_EncodingError at a text that is not UTF-8 (Part 6, 5.2.2.4).
+    void check_texts() { checks_texts_ = true; }
+    [[nodiscard]] bool checks_texts() const { return checks_texts_; }
     /// Writes the elements of an array of numbers at once.
     template <busbar::detail::WireNumber T>
     void numbers(std::span<const T> values)
@@ -126,6 +130,7 @@ private:
     std::size_t before_{0};
     std::uint32_t depth_{0};
     bool is_measuring_{false};
+    bool checks_texts_{false};
     StatusCode status_;
 };
 

@@ -36,7 +36,7 @@ public:
     // Bad_NodeIdExists, Bad_NodeIdInvalid, Bad_BrowseNameInvalid, Bad_BrowseNameDuplicated,
     // Bad_ParentNodeIdInvalid, Bad_ReferenceTypeIdInvalid, Bad_ReferenceNotAllowed,
     // Bad_TypeDefinitionInvalid, Bad_NodeAttributesInvalid (DataType, ValueRank, ArrayDimensions),
-    // Bad_OutOfMemory past 16 million dynamic nodes. A call that fails changes nothing.
+    // Bad_EncodingError (not UTF-8), Bad_OutOfMemory (16 million nodes). A failure changes nothing.
 
     /// Returns the index of `uri`, which is added if it is new. Index 1 should be the server's own
     /// ApplicationUri. Bad_TooManyOperations past 65,535 namespaces.
@@ -98,8 +98,8 @@ public:
     void set_namespace_permissions(std::uint16_t index, Array<RolePermissionType> permissions);
     void set_executable(NodeIndex node, bool executable);
     void set_minimum_sampling_interval(NodeIndex node, double ms); // of a dynamic node; -1: unknown
-    void set_display_name(NodeIndex node, LocalizedText text);
-    void set_description(NodeIndex node, LocalizedText text);
+    void set_display_name(NodeIndex node, LocalizedText text);     // ignored if it is not UTF-8
+    void set_description(NodeIndex node, LocalizedText text);      // likewise
     /// Adds or replaces a LocalizedText in one locale; an empty one removes it (Part 4, 5.11.4.1).
     Result<void> set_text(NodeIndex node, AttributeId attribute, DataValue text);
 

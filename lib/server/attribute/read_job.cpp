@@ -72,9 +72,9 @@ void ReadJob::take_answer(std::size_t index, DataValue answer, const NumericRang
         ranges_->pop_back();
     }
     const std::size_t before = writer_.written();
-    encode_slot(writer_, slot, timestamps_);
+    const StatusCode status = encode_slot(writer_, slot, timestamps_);
     encoded_.push_back({static_cast<std::uint32_t>(index),
-                        static_cast<std::uint32_t>(writer_.written() - before), slot.status});
+                        static_cast<std::uint32_t>(writer_.written() - before), status});
 }
 
 void ReadJob::plan_one(const ReadContext& context, std::size_t index, model::NodeIndex node)
@@ -145,7 +145,7 @@ Array<DiagnosticInfo> ReadJob::diagnose(ReturnDiagnostics& diagnostics) const
     auto next = encoded_.begin();
     for (std::size_t i = 0; i < all.size(); ++i) {
         const bool is_encoded = next != encoded_.end() && next->index == i;
-        all[i] = is_encoded ? next++->status : call_.result(i).status;
+        all[i] = is_encoded ? next++->status : served_status(call_.result(i));
     }
     return diagnostics.of_operations(
         all.size(), [&](std::size_t i) { return all[i]; },

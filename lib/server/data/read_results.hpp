@@ -20,13 +20,22 @@ struct Timestamps {
     DateTime server;
 };
 
-/// Writes a slot as the DataValue of a response: without value if the status is bad (Part 4,
-/// 7.11.1), with the requested timestamps.
-void encode_slot(binary::Writer& writer, const ReadSlot& slot, const Timestamps& timestamps);
+/// Returns whether each text in `value`, also in structures, is UTF-8 (Part 6, 5.2.2.4); a
+/// structure that is encoded already is not looked into. A text that is not would cost the client
+/// that gets it the whole response.
+[[nodiscard]] bool has_valid_texts(const Variant& value);
 
-/// Writes `value` likewise, with the other fields of `data`.
-void encode_data_value(binary::Writer& writer, const DataValue& data, const Variant& value,
-                       const Timestamps& timestamps);
+/// Returns the status with which a response has the slot: Bad_EncodingError for a value with a text
+/// that is not UTF-8.
+[[nodiscard]] StatusCode served_status(const ReadSlot& slot);
+
+/// Writes a slot as the DataValue of a response: without value if the status is bad (Part 4,
+/// 7.11.1), with the requested timestamps. Returns served_status().
+StatusCode encode_slot(binary::Writer& writer, const ReadSlot& slot, const Timestamps& timestamps);
+
+/// Writes `value` likewise, with the other fields of `data`, and returns the status that it wrote.
+StatusCode encode_data_value(binary::Writer& writer, const DataValue& data, const Variant& value,
+                             const Timestamps& timestamps);
 
 /// Replaces the slot's value by the part of it that `range` selects.
 void cut_range(ReadSlot& slot, const NumericRange& range);

@@ -9,6 +9,7 @@
 #include <busbar/core/detail/guarded.hpp>
 #include <busbar/types/subscription.hpp>
 
+#include "server/data/read_results.hpp"
 #include "server/subscription/sampling_context.hpp"
 #include "server/subscription/subscription.hpp"
 #include "server/subscription/subscription_table.hpp"
@@ -47,6 +48,18 @@ StatusCode check_notifier(const ItemContext& context, const ReadValueId& id)
     }
     const auto notifier = plan.answer.value.value_or<std::uint8_t>(0);
     return (notifier & subscribe_to_events) != 0 ? status::Good : status::Bad_NotSupported;
+}
+
+/// Returns the fields with Bad_EncodingError in place of those with a text that is not UTF-8 (Part
+/// 6, 5.2.2.4).
+EventItemQueue::Fields with_valid_texts(EventItemQueue::Fields fields)
+{
+    for (Variant& field : fields) {
+        if (!has_valid_texts(field)) {
+            field = Variant{status::Bad_EncodingError};
+        }
+    }
+    return fields;
 }
 
 /// Returns the fields with Bad_EncodingLimitsExceeded in place of as many of the largest as are
@@ -146,7 +159,8 @@ void EventItem::deliver(const RaisedEvent& event)
     if (!filter_.matches(event, reader)) {
         return;
     }
-    if (!queue_.push(filter_.select(event, reader), event.type(), filter_.has_guards())) {
+    if (!queue_.push(with_valid_texts(filter_.select(event, reader)), event.type(),
+                     filter_.has_guards())) {
         queue_overflow();
     }
     notify();

@@ -122,6 +122,7 @@ bool ImagePin::read(std::uint32_t handle, ReadSlot& slot) const
             structures_ = std::make_shared<detail::StructureValues>();
         }
         slot.shared = &structures_->value(handle, place, copy->plain(place));
+        slot.status = slot.shared->is_null() ? status::Bad_EncodingError : status::Good;
         return true;
     }
     slot.shared = nullptr;

@@ -6,6 +6,7 @@
 
 #include <busbar/binary/codec.hpp>
 
+#include "core/utf8.hpp"
 #include "image_types.hpp"
 
 namespace busbar::server::detail {
@@ -53,6 +54,21 @@ void encode_members(binary::Writer& writer, const ImageStructure& structure, con
     for (const ImagePlace& member : structure.members()) {
         encode_member(writer, member, from + member.offset);
     }
+}
+
+bool is_valid_place(const ImagePlace& place, const std::byte* from)
+{
+    const bool is_text = place.type == BuiltInType::String || place.type == BuiltInType::XmlElement;
+    if (!is_text && !place.is_structure()) {
+        return true;
+    }
+    for (std::uint32_t i = 0; i < place.elements; ++i, from += place.stride) {
+        if (is_text ? !busbar::detail::is_utf8(borrow_text<String>(from, place.capacity).view())
+                    : !has_valid_texts(*place.structure, from)) {
+            return false;
+        }
+    }
+    return true;
 }
 
 void decode_members(binary::Reader& reader, const ImageStructure& structure, std::byte* to);
@@ -131,6 +147,15 @@ StatusCode decode_body(const ImageStructure& structure, std::span<const std::byt
 }
 
 } // namespace
+
+bool has_valid_texts(const ImageStructure& structure, const std::byte* from)
+{
+    const auto members = structure.members();
+    return !structure.has_texts() ||
+           std::all_of(members.begin(), members.end(), [&](const ImagePlace& member) {
+               return is_valid_place(member, from + member.offset);
+           });
+}
 
 std::size_t encode_structure(const ImageStructure& structure, const std::byte* from,
                              std::span<std::byte> to)

@@ -10,6 +10,10 @@ namespace busbar::server::detail {
 
 // Converts values of structures between an image and the wire.
 
+/// Returns whether each String and XmlElement of the structure at `from` is UTF-8 (Part 6,
+/// 5.2.2.4).
+[[nodiscard]] bool has_valid_texts(const ImageStructure& structure, const std::byte* from);
+
 /// Writes the body of the structure at `from` (Part 6, 5.2.6) and returns its size. `to` has at
 /// least max_wire_size() bytes.
 [[nodiscard]] std::size_t encode_structure(const ImageStructure& structure, const std::byte* from,

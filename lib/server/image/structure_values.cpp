@@ -33,6 +33,11 @@ const Variant& StructureValues::value(std::uint32_t handle, const ImagePlace& pl
 
 Variant StructureValues::make(const ImagePlace& place, const std::byte* from)
 {
+    for (std::uint32_t i = 0; i < place.elements; ++i) {
+        if (!has_valid_texts(*place.structure, from + std::size_t{i} * place.stride)) {
+            return {};
+        }
+    }
     const auto most = static_cast<std::size_t>(place.structure->max_wire_size());
     const auto encode_next = [&] {
         Block& block = block_with(most);

@@ -21,7 +21,8 @@ public:
     /// not a structure.
     [[nodiscard]] static std::uint64_t max_bytes(const ImagePlace& place);
 
-    /// Returns the value of the variable `handle` at `from`. Valid until recycle().
+    /// Returns the value of the variable `handle` at `from`; null if one of its texts is not UTF-8.
+    /// Valid until recycle().
     [[nodiscard]] const Variant& value(std::uint32_t handle, const ImagePlace& place,
                                        const std::byte* from);
     /// Frees most of the memory, since no value is used any more.

@@ -9,6 +9,7 @@
 #include <busbar/core/text.hpp>
 #include <busbar/crypto/secret.hpp>
 
+#include "server/data/read_results.hpp"
 #include "server/rights/built_in_methods.hpp"
 #include "server/rights/method_lookup.hpp"
 #include "server/session/session.hpp"
@@ -55,6 +56,12 @@ bool tidy_result(const model::AddressSpace& space, const MethodSignature& signat
         result.status = status::Good; // Part 4, 5.12.2.4: no sub code
     }
     return fit_arguments(space, signature.outputs, result.outputs.span());
+}
+
+/// An output has no status of its own.
+bool has_wrong_text(const CallResult& result)
+{
+    return !std::all_of(result.outputs.begin(), result.outputs.end(), has_valid_texts);
 }
 
 } // namespace
@@ -195,7 +202,15 @@ void CallJob::finish()
 {
     for (std::size_t i = 0; i < asked_.size(); ++i) {
         CallResult* const result = asked_[i] != nullptr ? call_.find_answer(i) : nullptr;
-        if (result != nullptr && !tidy_result(needs_.space, *asked_[i], *result)) {
+        if (result == nullptr) {
+            continue;
+        }
+        if (has_wrong_text(*result)) {
+            *result = CallResult{status::Bad_EncodingError};
+            needs_.log.write(LogLevel::Error, "method",
+                             "a Method was answered with a text that is not UTF-8; the client gets "
+                             "Bad_EncodingError");
+        } else if (!tidy_result(needs_.space, *asked_[i], *result)) {
             *result = CallResult{status::Bad_InternalError};
             needs_.log.write(LogLevel::Error, "method",
                              "a Method was answered with outputs that are not those of its "
