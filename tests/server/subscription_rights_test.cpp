@@ -133,6 +133,48 @@ TEST_CASE_METHOD(RightsFixture, "an item of a user whose token has expired is no
     CHECK(next().empty());
 }
 
+TEST_CASE_METHOD(RightsFixture, "many items get the rights of another user before they send again")
+{
+    constexpr std::size_t items = 1'000;
+    while (server.monitored_item_count() < items) {
+        auto item = SubscriptionFixture::item_request(level);
+        item.requested_parameters.queue_size = 10;
+        REQUIRE(SubscriptionFixture::monitor(*client, id, item).status_code == status::Good);
+    }
+    CHECK(next() == Values(items, DataValue{Variant{1}}));
+    set(2);
+    advance(60ms); // sampled for the first user
+    store.next.name = "guest";
+    activate();
+
+    const auto publish = SubscriptionFixture::publish(*client);
+    std::size_t turns = 0;
+    for (; server.next_deadline() <= now; ++turns) {
+        CHECK(SubscriptionFixture::status_of(*client, publish) == status::Bad_WouldBlock);
+        server.handle_deadline(now);
+    }
+    CHECK(turns >= 4);
+    advance(cycle);
+    client->run();
+    const auto response = SubscriptionFixture::take(*client, publish);
+    REQUIRE(response);
+    const auto values = SubscriptionFixture::data(response->notification_message);
+    REQUIRE(values.size() == items);
+    for (const auto& one : values) {
+        REQUIRE(one.value == denied[0]);
+    }
+    SECTION("also if the Subscription ends meanwhile")
+    {
+        store.next.name = "operator";
+        activate();
+        CHECK(SubscriptionFixture::remove(*client, id) == status::Good);
+        while (server.next_deadline() <= now) {
+            server.handle_deadline(now);
+        }
+        CHECK(server.monitored_item_count() == 0);
+    }
+}
+
 TEST_CASE_METHOD(RightsFixture, "a user who has expired may do what everybody may in that store")
 {
     const auto [mask, expected] =

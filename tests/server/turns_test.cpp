@@ -193,6 +193,158 @@ TEST_CASE("MonitoredItems are made, changed and deleted in turns")
     }
 }
 
+namespace {
+
+/// Ids of which few are Subscriptions.
+Array<std::uint32_t> many_ids(std::uint32_t first)
+{
+    Array<std::uint32_t> ids;
+    for (std::uint32_t i = 0; i < 1'000; ++i) {
+        ids.push_back(first + i);
+    }
+    return ids;
+}
+
+std::uint32_t subscribe(TestClient& client)
+{
+    return client.call<CreateSubscriptionResponse>(SubscriptionFixture::subscription_request())
+        .value()
+        .subscription_id;
+}
+
+/// The answer to a request of many turns.
+template <typename Response, typename Request>
+Result<Response> answer_in_turns(TestClient& client, const Request& request, TimePoint now)
+{
+    const auto sent = client.send(request);
+    while (client.connection.next_deadline() <= now) {
+        client.connection.handle_deadline(now);
+    }
+    return client.take<Response>(sent);
+}
+
+} // namespace
+
+TEST_CASE("many Subscriptions are paused, moved and deleted in turns")
+{
+    ServerFixture fixture;
+    auto client = fixture.log_in();
+    const std::uint32_t first = subscribe(client);
+    SECTION("paused")
+    {
+        SetPublishingModeRequest request;
+        request.subscription_ids = many_ids(first);
+        prepare(client, request);
+    }
+    SECTION("moved")
+    {
+        TransferSubscriptionsRequest request;
+        request.subscription_ids = many_ids(first);
+        prepare(client, request);
+    }
+    SECTION("deleted")
+    {
+        DeleteSubscriptionsRequest request;
+        request.subscription_ids = many_ids(first);
+        prepare(client, request);
+    }
+    CHECK(take_turns(client, fixture.now) >= 10);
+}
+
+TEST_CASE("links between MonitoredItems are made in turns")
+{
+    ServerFixture fixture;
+    auto client = fixture.log_in();
+    const std::uint32_t id = subscribe(client);
+    for (std::uint32_t i = 0; i < 2; ++i) {
+        const auto item =
+            SubscriptionFixture::item_request(NodeId{0, id::Server_ServerStatus_State}, i);
+        CHECK(SubscriptionFixture::monitor(client, id, item).monitored_item_id == i + 1);
+    }
+    SetTriggeringRequest request;
+    request.subscription_id = id;
+    request.triggering_item_id = 1;
+    request.links_to_add = many_ids(2);
+    request.links_to_remove = many_ids(2);
+    SECTION("all")
+    {
+        prepare(client, request);
+        CHECK(take_turns(client, fixture.now) >= 3);
+        const auto response = answer_in_turns<SetTriggeringResponse>(client, request, fixture.now);
+        REQUIRE(response);
+        CHECK(response->remove_results.size() == 1'000);
+        CHECK(response->remove_results[0] == status::Good);
+        CHECK(response->remove_results[1] == status::Bad_MonitoredItemIdInvalid);
+        CHECK(response->add_results.size() == 1'000);
+        CHECK(response->add_results[0] == status::Good);
+        CHECK(response->add_results[1] == status::Bad_MonitoredItemIdInvalid);
+    }
+    SECTION("until their Subscription ends")
+    {
+        prepare(client, request);
+        carry(client.channel, client.connection, fixture.now);
+        while (fixture.server.subscription_count() != 0) {
+            fixture.now += std::chrono::seconds{1};
+            fixture.server.handle_deadline(fixture.now);
+        }
+        CHECK(take_turns(client, fixture.now) == 2); // the second finds out
+    }
+}
+
+TEST_CASE("nodes are registered and unregistered in turns")
+{
+    SubscriptionFixture fixture;
+    const NodeId level = fixture.add_variable("level", 7);
+    auto client = fixture.log_in();
+    RegisterNodesRequest begin;
+    begin.nodes_to_register.assign(10'000, level);
+    const auto response = answer_in_turns<RegisterNodesResponse>(client, begin, fixture.now);
+    REQUIRE(response);
+    REQUIRE(response->registered_node_ids.size() == 10'000);
+    CHECK(response->registered_node_ids[0] != level);
+    UnregisterNodesRequest end;
+    end.nodes_to_unregister = response->registered_node_ids;
+    prepare(client, end);
+    CHECK(take_turns(client, fixture.now) >= 3);
+}
+
+TEST_CASE("the last values of many items are sent again in turns")
+{
+    constexpr std::uint32_t items = 1'000;
+    constexpr auto cycle = std::chrono::milliseconds{100};
+    SubscriptionFixture fixture;
+    const NodeId level = fixture.add_variable("level", 7);
+    auto client = fixture.log_in();
+    const std::uint32_t id = subscribe(client);
+    for (std::uint32_t i = 0; i < items; ++i) {
+        REQUIRE(
+            SubscriptionFixture::monitor(client, id, SubscriptionFixture::item_request(level, i))
+                .status_code == status::Good);
+    }
+    CHECK(fixture.next_data(client, cycle).size() == items);
+    const auto publish = SubscriptionFixture::publish(client);
+
+    CallMethodRequest resend;
+    resend.object_id = NodeId{0, id::Server};
+    resend.method_id = NodeId{0, id::Server_ResendData};
+    resend.input_arguments = {Variant{id}};
+    CallRequest call;
+    call.methods_to_call = {resend};
+    const auto answer = client.call<CallResponse>(call);
+    REQUIRE(answer);
+    REQUIRE(answer->results[0].status_code == status::Good);
+    std::size_t turns = 0;
+    for (; fixture.server.next_deadline() <= fixture.now; ++turns) {
+        CHECK(SubscriptionFixture::status_of(client, publish) == status::Bad_WouldBlock);
+        fixture.server.handle_deadline(fixture.now);
+    }
+    CHECK(turns >= 4);
+    fixture.advance(cycle, client);
+    const auto response = SubscriptionFixture::take(client, publish);
+    REQUIRE(response);
+    CHECK(SubscriptionFixture::data(response->notification_message).size() == items);
+}
+
 TEST_CASE("a Subscription that ends between turns ends what is done to its items")
 {
     ServerFixture fixture;

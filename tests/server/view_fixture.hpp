@@ -58,6 +58,15 @@ inline StatusCode register_nodes(ViewContext& context, const RegisterNodesReques
     response = {};
     return run_turns<RegisterWork>(context, request, response);
 }
+inline StatusCode unregister_nodes(ViewContext& context, const UnregisterNodesRequest& request)
+{
+    const StatusCode bad = UnregisterWork::begin(context, request);
+    UnregisterWork work;
+    while (!bad.is_bad() && !work.go_on(context, request)) {
+        context.turn = Turn{1};
+    }
+    return bad;
+}
 inline StatusCode browse_next(ViewContext& context, const BrowseNextRequest& request,
                               BrowseNextResponse& response)
 {

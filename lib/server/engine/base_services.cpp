@@ -50,8 +50,7 @@ constexpr std::array base_node_rows{
     operation<TranslateBrowsePathsToNodeIdsRequest, make_translate_browse_paths, &Core::view_needs>(
         Need::Activated),
     operation<RegisterNodesRequest, make_register_nodes, &Core::view_needs>(Need::Activated),
-    function<UnregisterNodesRequest, UnregisterNodesResponse, &Core::view_needs, unregister_nodes>(
-        Need::Activated),
+    operation<UnregisterNodesRequest, make_unregister_nodes, &Core::view_needs>(Need::Activated),
     operation<ReadRequest, make_operation<ReadOperation, const AttributeNeeds>, attribute_needs>(
         Need::Activated, Lasts::ToTheEnd),
     operation<WriteRequest, make_operation<WriteOperation, const AttributeNeeds>, attribute_needs>(
@@ -71,8 +70,8 @@ constexpr std::array base_subscription_rows{
              create_subscription>(Need::Activated),
     function<ModifySubscriptionRequest, ModifySubscriptionResponse, &Core::subscriptions,
              modify_subscription>(Need::Activated),
-    function<SetPublishingModeRequest, SetPublishingModeResponse, &Core::subscriptions,
-             set_publishing_mode>(Need::Activated),
+    operation<SetPublishingModeRequest, make_set_publishing_mode, &Core::subscriptions>(
+        Need::Activated),
     operation<PublishRequest, make_operation<PublishOperation, SubscriptionTable>,
               &Core::subscriptions>(Need::Activated, Lasts::ToTheEnd),
     operation<RepublishRequest, make_operation<RepublishOperation, SubscriptionTable>,

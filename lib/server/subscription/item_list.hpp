@@ -35,6 +35,23 @@ public:
             }
         }
     }
+    /// Calls `function` likewise with at most `most` items whose ids are not less than `next_id`,
+    /// which it sets to the id after each. Returns their number; fewer than `most` are the last.
+    template <typename Function>
+    std::size_t for_some(std::uint64_t& next_id, std::size_t most, Function function) const
+    {
+        std::size_t count = 0;
+        std::size_t i =
+            next_id > UINT32_MAX ? entries_.size() : place(static_cast<std::uint32_t>(next_id));
+        for (; i < entries_.size() && count < most; ++i) {
+            if (entries_[i].item != nullptr) {
+                function(*entries_[i].item);
+                ++count;
+            }
+            next_id = std::uint64_t{entries_[i].id} + 1;
+        }
+        return count;
+    }
 
 private:
     struct Entry {

@@ -274,6 +274,83 @@ private:
     }
 };
 
+/// SetTriggering (Part 4, 5.13.5), link by link: links are removed before others are added.
+class SetTriggering final : public OperationOf<SetTriggeringRequest> {
+public:
+    explicit SetTriggering(SubscriptionTable& all) : all_{all} {}
+
+    void start(ServiceContext& context) override
+    {
+        const std::size_t count = request().links_to_remove.size() + request().links_to_add.size();
+        const auto found = find_subscription(all_, context, request().subscription_id, count);
+        if (!found) {
+            return fault(found.error());
+        }
+        if (!charge(count * sizeof(StatusCode))) { // before anything is done
+            return fault(status::Bad_TooManyOperations);
+        }
+        response_.remove_results.reserve(request().links_to_remove.size());
+        response_.add_results.reserve(request().links_to_add.size());
+        take_turn(context);
+    }
+    [[nodiscard]] bool wants_turn() const override { return !is_finished(); }
+    void take_turn(ServiceContext& context) override
+    {
+        // Between two turns either may have been deleted.
+        Subscription* const subscription = all_.find(request().subscription_id, *context.session);
+        if (subscription == nullptr) {
+            return fault(status::Bad_SubscriptionIdInvalid);
+        }
+        MonitoredItem* const trigger = subscription->find_item(request().triggering_item_id);
+        if (trigger == nullptr) {
+            return fault(status::Bad_MonitoredItemIdInvalid);
+        }
+        Turn& turn = context.peer.turn();
+        while (!is_complete() && !turn.is_over() && !context.peer.has_thrown()) {
+            turn.spend(units_of_link);
+            work_on_next(*subscription, *trigger);
+        }
+        if (context.peer.has_thrown()) {
+            return fault(status::Bad_InternalError);
+        }
+        if (is_complete()) {
+            ReturnDiagnostics all = diagnostics();
+            diagnose(all, request(), response_);
+            respond<SetTriggeringResponse>(all, [&](binary::Writer& writer) {
+                encode(writer, response_.add_results);
+                encode(writer, response_.add_diagnostic_infos);
+                encode(writer, response_.remove_results);
+                encode(writer, response_.remove_diagnostic_infos);
+            });
+        }
+    }
+
+private:
+    /// The links of an item are looked through.
+    static constexpr std::size_t units_of_link = 50;
+
+    [[nodiscard]] bool is_complete() const
+    {
+        return response_.remove_results.size() == request().links_to_remove.size() &&
+               response_.add_results.size() == request().links_to_add.size();
+    }
+    void work_on_next(Subscription& subscription, MonitoredItem& trigger)
+    {
+        const std::size_t removed = response_.remove_results.size();
+        if (removed < request().links_to_remove.size()) {
+            response_.remove_results.push_back(
+                remove_link(subscription, trigger, request().links_to_remove[removed]));
+            return;
+        }
+        const std::uint32_t id = request().links_to_add[response_.add_results.size()];
+        response_.add_results.push_back(add_link(
+            subscription, trigger, id, all_.needs().limits.subscriptions.max_triggering_links));
+    }
+
+    SubscriptionTable& all_;
+    SetTriggeringResponse response_;
+};
+
 } // namespace
 
 std::unique_ptr<ServiceOperation> make_create_monitored_items(SubscriptionTable& all)
@@ -296,28 +373,9 @@ std::unique_ptr<ServiceOperation> make_delete_monitored_items(SubscriptionTable&
     return std::make_unique<DeleteItems>(all);
 }
 
-StatusCode set_triggering(SubscriptionTable& all, ServiceContext& context,
-                          const SetTriggeringRequest& request, SetTriggeringResponse& response)
+std::unique_ptr<ServiceOperation> make_set_triggering(SubscriptionTable& all)
 {
-    const auto subscription =
-        find_subscription(all, context, request.subscription_id,
-                          request.links_to_add.size() + request.links_to_remove.size());
-    if (!subscription) {
-        return subscription.error();
-    }
-    MonitoredItem* const trigger = (*subscription)->find_item(request.triggering_item_id);
-    if (trigger == nullptr) {
-        return status::Bad_MonitoredItemIdInvalid;
-    }
-    // Links are removed before others are added (Part 4, 5.13.5.2).
-    for (const std::uint32_t id : request.links_to_remove) {
-        response.remove_results.push_back(remove_link(**subscription, *trigger, id));
-    }
-    const std::size_t most = all.needs().limits.subscriptions.max_triggering_links;
-    for (const std::uint32_t id : request.links_to_add) {
-        response.add_results.push_back(add_link(**subscription, *trigger, id, most));
-    }
-    return status::Good;
+    return std::make_unique<SetTriggering>(all);
 }
 
 } // namespace busbar::server::detail

@@ -12,9 +12,7 @@ class SubscriptionTable;
 [[nodiscard]] std::unique_ptr<ServiceOperation> make_create_monitored_items(SubscriptionTable& all);
 [[nodiscard]] std::unique_ptr<ServiceOperation> make_modify_monitored_items(SubscriptionTable& all);
 [[nodiscard]] std::unique_ptr<ServiceOperation> make_set_monitoring_mode(SubscriptionTable& all);
-[[nodiscard]] StatusCode set_triggering(SubscriptionTable& all, ServiceContext& context,
-                                        const SetTriggeringRequest& request,
-                                        SetTriggeringResponse& response);
+[[nodiscard]] std::unique_ptr<ServiceOperation> make_set_triggering(SubscriptionTable& all);
 [[nodiscard]] std::unique_ptr<ServiceOperation> make_delete_monitored_items(SubscriptionTable& all);
 
 } // namespace busbar::server::detail

@@ -347,7 +347,8 @@ void Subscription::set_session(Session& session, TimePoint now)
         busbar::detail::attempt([&] { observer->moved(*this); });
     }
     if (!(before == session.user)) {
-        user_changed(now);
+        note_user_change();
+        all_.reviews().begin(*this, now);
     }
 }
 

@@ -115,8 +115,12 @@ public:
     void give_way(TimePoint now);
     /// It is deleted: changes of its items are not reported any more.
     void end();
-    /// The Subscription has the rights of another user from now on.
-    void user_changed(TimePoint now);
+    /// The Subscription has the rights of another user from now on. Its items must be reviewed.
+    void note_user_change();
+    /// Looks at up to `most` items that must be reviewed, and returns their number. See
+    /// ItemReviews.
+    std::size_t review(TimePoint now, std::size_t most);
+    [[nodiscard]] bool is_in_review() const { return review_.is_pending; }
     /// Any service that names the Subscription proves that its client is alive.
     void reset_lifetime_counter() { lifetime_counter_ = parameters_.lifetime_count; }
 
@@ -154,7 +158,8 @@ public:
     std::size_t remove_items(std::size_t most) noexcept;
     /// In ascending order.
     [[nodiscard]] std::vector<std::uint32_t> item_ids() const;
-    /// Queues the last value of each data item that reports and has an empty queue.
+    /// Queues the last value of each data item that reports and has an empty queue; of many items
+    /// by and by, before anything else is published.
     void resend_data(TimePoint now);
     /// See ValueItem::announce_change. Returns false if there was no memory to look an item up
     /// again.
@@ -169,7 +174,7 @@ private:
     [[nodiscard]] SubscriptionVariables variables(const Input& input) const;
     [[nodiscard]] bool notifications_available() const
     {
-        return !ready_data_.empty() || !ready_events_.empty();
+        return !is_in_review() && (!ready_data_.empty() || !ready_events_.empty());
     }
     void count_items(std::ptrdiff_t more) noexcept;
     void perform(SubscriptionAction action, const SubscriptionRow& row, const Input& input);
@@ -183,6 +188,14 @@ private:
     void set_session(Session& session, TimePoint now);
     [[nodiscard]] const SubscriptionOwner& kept_owner() const;
     [[nodiscard]] ItemContext context(TimePoint now) { return {all_, *this, now}; }
+
+    /// What the items from `next_id` on are to be told.
+    struct Review {
+        bool is_pending{false};
+        bool has_other_user{false};
+        bool resends{false};
+        std::uint64_t next_id{0};
+    };
 
     SubscriptionTable& all_;
     std::uint32_t id_;
@@ -209,6 +222,7 @@ private:
 
     SubscriptionCounters counters_;
     std::size_t disabled_item_count_{0};
+    Review review_;
     TimePoint next_publishing_{no_deadline};
     std::uint64_t last_served_{0};
     MemoryAccount memory_;

@@ -11,9 +11,28 @@
 
 namespace busbar::server::detail {
 
-void Subscription::user_changed(TimePoint now)
+void Subscription::note_user_change()
 {
-    items_.for_each([&](MonitoredItem& item) { item.user_changed(context(now)); });
+    review_ = {true, true, review_.resends, 0};
+}
+
+std::size_t Subscription::review(TimePoint now, std::size_t most)
+{
+    if (!review_.is_pending) {
+        return 0;
+    }
+    const std::size_t count = items_.for_some(review_.next_id, most, [&](MonitoredItem& item) {
+        if (review_.has_other_user) {
+            item.user_changed(context(now));
+        }
+        if (review_.resends && item.mode() == MonitoringMode::Reporting) {
+            item.resend(context(now));
+        }
+    });
+    if (count < most) {
+        review_ = {};
+    }
+    return count;
 }
 
 /// Items of an ended Subscription count only for the server.
@@ -61,11 +80,8 @@ std::vector<std::uint32_t> Subscription::item_ids() const
 
 void Subscription::resend_data(TimePoint now)
 {
-    items_.for_each([&](MonitoredItem& item) {
-        if (item.mode() == MonitoringMode::Reporting) {
-            item.resend(context(now));
-        }
-    });
+    review_ = {true, review_.has_other_user, true, 0};
+    all_.reviews().begin(*this, now);
 }
 
 bool Subscription::announce_change(const std::unordered_set<NodeId>& variables,

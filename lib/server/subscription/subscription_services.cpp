@@ -22,7 +22,42 @@ Result<Subscription*> find(const SubscriptionTable& all, const Session& session,
     return found;
 }
 
-StatusCode delete_one(SubscriptionTable& all, ServiceContext& context, std::uint32_t id)
+/// A service over a list of Subscriptions, with a status for each.
+template <typename Request, typename Response>
+class SubscriptionsOperation final : public SlicedOperation<Request, Response> {
+public:
+    using Work = StatusCode(SubscriptionTable&, ServiceContext&, const Request&, std::uint32_t id);
+
+    SubscriptionsOperation(SubscriptionTable& all, Work& work_on) : all_{all}, work_on_{work_on} {}
+
+private:
+    [[nodiscard]] std::size_t size() const override
+    {
+        return this->request().subscription_ids.size();
+    }
+    [[nodiscard]] StatusCode begin(ServiceContext&) override
+    {
+        return check_count(all_.needs().limits, size());
+    }
+    [[nodiscard]] StatusCode resume(ServiceContext& context) override
+    {
+        context_ = &context;
+        return status::Good;
+    }
+    [[nodiscard]] std::optional<StatusCode> work(std::size_t index, Turn& turn) override
+    {
+        turn.spend(Turn::units_of_item);
+        return work_on_(all_, *context_, this->request(), this->request().subscription_ids[index]);
+    }
+
+    SubscriptionTable& all_;
+    Work& work_on_;
+    /// Valid during its turn.
+    ServiceContext* context_{nullptr};
+};
+
+StatusCode delete_one(SubscriptionTable& all, ServiceContext& context,
+                      const DeleteSubscriptionsRequest& /*request*/, std::uint32_t id)
 {
     Subscription* const subscription = all.find(id);
     if (subscription == nullptr) {
@@ -37,32 +72,22 @@ StatusCode delete_one(SubscriptionTable& all, ServiceContext& context, std::uint
     return status::Good;
 }
 
-class DeleteSubscriptions final
-    : public SlicedOperation<DeleteSubscriptionsRequest, DeleteSubscriptionsResponse> {
-public:
-    explicit DeleteSubscriptions(SubscriptionTable& all) : all_{all} {}
+StatusCode set_publishing_mode(SubscriptionTable& all, ServiceContext& context,
+                               const SetPublishingModeRequest& request, std::uint32_t id)
+{
+    Subscription* const subscription = all.find(id, *context.session);
+    if (subscription == nullptr) {
+        return status::Bad_SubscriptionIdInvalid;
+    }
+    subscription->handle(SubscriptionEvent::SetPublishingMode,
+                         {.now = context.now, .publishing_enabled = request.publishing_enabled});
+    return status::Good;
+}
 
-private:
-    [[nodiscard]] std::size_t size() const override { return request().subscription_ids.size(); }
-    [[nodiscard]] StatusCode begin(ServiceContext&) override
-    {
-        return check_count(all_.needs().limits, size());
-    }
-    [[nodiscard]] StatusCode resume(ServiceContext& context) override
-    {
-        context_ = &context;
-        return status::Good;
-    }
-    [[nodiscard]] std::optional<StatusCode> work(std::size_t index, Turn& turn) override
-    {
-        turn.spend(Turn::units_of_item);
-        return delete_one(all_, *context_, request().subscription_ids[index]);
-    }
-
-    SubscriptionTable& all_;
-    /// Valid during its turn.
-    ServiceContext* context_{nullptr};
-};
+using DeleteSubscriptions =
+    SubscriptionsOperation<DeleteSubscriptionsRequest, DeleteSubscriptionsResponse>;
+using SetPublishingMode =
+    SubscriptionsOperation<SetPublishingModeRequest, SetPublishingModeResponse>;
 
 } // namespace
 
@@ -115,32 +140,14 @@ StatusCode modify_subscription(SubscriptionTable& all, ServiceContext& context,
     return status::Good;
 }
 
-StatusCode set_publishing_mode(SubscriptionTable& all, ServiceContext& context,
-                               const SetPublishingModeRequest& request,
-                               SetPublishingModeResponse& response)
+std::unique_ptr<ServiceOperation> make_set_publishing_mode(SubscriptionTable& all)
 {
-    if (const StatusCode bad = check_count(all.needs().limits, request.subscription_ids.size());
-        bad.is_bad()) {
-        return bad;
-    }
-    response.results.reserve(request.subscription_ids.size());
-    for (const std::uint32_t id : request.subscription_ids) {
-        Subscription* const subscription = all.find(id, *context.session);
-        if (subscription == nullptr) {
-            response.results.push_back(status::Bad_SubscriptionIdInvalid);
-            continue;
-        }
-        subscription->handle(
-            SubscriptionEvent::SetPublishingMode,
-            {.now = context.now, .publishing_enabled = request.publishing_enabled});
-        response.results.push_back(status::Good);
-    }
-    return status::Good;
+    return std::make_unique<SetPublishingMode>(all, set_publishing_mode);
 }
 
 std::unique_ptr<ServiceOperation> make_delete_subscriptions(SubscriptionTable& all)
 {
-    return std::make_unique<DeleteSubscriptions>(all);
+    return std::make_unique<DeleteSubscriptions>(all, delete_one);
 }
 
 void RepublishOperation::start(ServiceContext& context)

@@ -16,12 +16,8 @@ class SubscriptionTable;
 [[nodiscard]] StatusCode modify_subscription(SubscriptionTable& all, ServiceContext& context,
                                              const ModifySubscriptionRequest& request,
                                              ModifySubscriptionResponse& response);
-[[nodiscard]] StatusCode set_publishing_mode(SubscriptionTable& all, ServiceContext& context,
-                                             const SetPublishingModeRequest& request,
-                                             SetPublishingModeResponse& response);
-[[nodiscard]] StatusCode transfer_subscriptions(SubscriptionTable& all, ServiceContext& context,
-                                                const TransferSubscriptionsRequest& request,
-                                                TransferSubscriptionsResponse& response);
+[[nodiscard]] std::unique_ptr<ServiceOperation> make_set_publishing_mode(SubscriptionTable& all);
+[[nodiscard]] std::unique_ptr<ServiceOperation> make_transfer_subscriptions(SubscriptionTable& all);
 [[nodiscard]] std::unique_ptr<ServiceOperation> make_delete_subscriptions(SubscriptionTable& all);
 
 /// Republish (Part 4, 5.14.6): answers with the bytes that were sent.

@@ -30,7 +30,7 @@ std::uint32_t random_id(crypto::Random& random)
 SubscriptionTable::SubscriptionTable(const SubscriptionNeeds& needs)
     : needs_{needs}, memory_{needs.limits.subscriptions.max_memory, nullptr},
       sampler_{std::make_unique<Sampler>(needs, timers_, memory_)},
-      last_id_{random_id(*needs.environment.random)}, ended_{timers_}
+      last_id_{random_id(*needs.environment.random)}, ended_{timers_}, reviews_{timers_}
 {
 }
 
@@ -108,6 +108,7 @@ void SubscriptionTable::remove(Subscription& subscription)
     if (needs_.observer != nullptr) {
         needs_.observer->removed(subscription);
     }
+    reviews_.remove(subscription);
     subscription.end();
     ended_.add(std::move(subscriptions_.extract(subscription.id()).mapped()));
 }
@@ -162,9 +163,11 @@ void SubscriptionTable::user_changed(Session& session, TimePoint now)
     // An item that cannot be notified is looked up again: nothing is sampled with the rights of
     // another user.
     busbar::detail::Undo undo{[&] { sampler_->look_up_again(); }};
+    std::size_t room = ItemReviews::items_at_once;
     for (Subscription* subscription : PublishPart::of(session).subscriptions()) {
         subscription->update_share();
-        subscription->user_changed(now);
+        subscription->note_user_change();
+        room -= reviews_.begin(*subscription, now, room);
     }
     undo.keep();
 }
@@ -172,8 +175,10 @@ void SubscriptionTable::user_changed(Session& session, TimePoint now)
 void SubscriptionTable::access_changed(TimePoint now)
 {
     busbar::detail::Undo undo{[&] { sampler_->look_up_again(); }}; // as above
+    std::size_t room = ItemReviews::items_at_once;
     for (const auto& [id, subscription] : subscriptions_) {
-        subscription->user_changed(now);
+        subscription->note_user_change();
+        room -= reviews_.begin(*subscription, now, room);
     }
     undo.keep();
 }

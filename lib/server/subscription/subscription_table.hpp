@@ -10,6 +10,7 @@
 #include <busbar/core/result.hpp>
 
 #include "ended_subscriptions.hpp"
+#include "item_reviews.hpp"
 #include "server/users/shares.hpp"
 #include "subscription_needs.hpp"
 #include "timer_queue.hpp"
@@ -69,6 +70,7 @@ public:
 
     [[nodiscard]] const SubscriptionNeeds& needs() const { return needs_; }
     [[nodiscard]] TimerQueue& timers() { return timers_; }
+    [[nodiscard]] ItemReviews& reviews() { return reviews_; }
     [[nodiscard]] Sampler& sampler() { return *sampler_; }
     [[nodiscard]] const Sampler& sampler() const { return *sampler_; }
     [[nodiscard]] MemoryAccount& memory() { return memory_; }
@@ -112,6 +114,7 @@ private:
     std::uint64_t serial_{0};
     std::uint32_t last_id_;
     EndedSubscriptions ended_;
+    ItemReviews reviews_;
     std::unordered_map<std::uint32_t, std::unique_ptr<Subscription>> subscriptions_;
 };
 

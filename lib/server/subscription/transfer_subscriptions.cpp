@@ -5,6 +5,7 @@
 #include "publish_queue.hpp"
 #include "server/session/session.hpp"
 #include "server/session/session_record.hpp"
+#include "server/session/sliced_operation.hpp"
 #include "subscription.hpp"
 #include "subscription_services.hpp"
 #include "subscription_table.hpp"
@@ -57,59 +58,81 @@ StatusCode transfer(const SubscriptionTable& all, const ServiceContext& context,
     return status::Good;
 }
 
-void tell_transferred(LogSink& log, const ServiceContext& context, StatusCode status)
-{
-    if (!log.wants(RecordKind::SubscriptionsTransferred)) {
-        return;
-    }
-    Record record{RecordKind::SubscriptionsTransferred, LogLevel::Debug, "subscription"};
-    record.actor = actor_of(*context.session, context.mark);
-    record.status = status;
-    log.record(record);
-}
+/// TransferSubscriptions (Part 4, 5.14.7), Subscription by Subscription. A move is not undone.
+class TransferOperation final
+    : public SlicedOperation<TransferSubscriptionsRequest, TransferSubscriptionsResponse> {
+public:
+    explicit TransferOperation(SubscriptionTable& all) : all_{all} {}
 
-/// Returns Good, or the first other status.
-StatusCode status_of_all(const Array<TransferResult>& results)
-{
-    for (const TransferResult& result : results) {
-        if (!result.status_code.is_good()) {
-            return result.status_code;
-        }
+private:
+    [[nodiscard]] std::size_t size() const override { return request().subscription_ids.size(); }
+    [[nodiscard]] StatusCode begin(ServiceContext& context) override
+    {
+        mark_ = context.mark;
+        return check_count(all_.needs().limits, size());
     }
-    return status::Good;
-}
-
-} // namespace
-
-StatusCode transfer_subscriptions(SubscriptionTable& all, ServiceContext& context,
-                                  const TransferSubscriptionsRequest& request,
-                                  TransferSubscriptionsResponse& response)
-{
-    if (const StatusCode bad = check_count(all.needs().limits, request.subscription_ids.size());
-        bad.is_bad()) {
-        tell_transferred(all.needs().log, context, bad);
-        return bad;
+    [[nodiscard]] StatusCode resume(ServiceContext& context) override
+    {
+        context_ = &context;
+        return status::Good;
     }
-    response.results.reserve(request.subscription_ids.size());
-    for (const std::uint32_t id : request.subscription_ids) {
+    [[nodiscard]] std::optional<TransferResult> work(std::size_t index, Turn& turn) override
+    {
+        turn.spend(Turn::units_of_item);
         TransferResult result;
-        Subscription* const subscription = all.find(id);
+        Subscription* const subscription = all_.find(request().subscription_ids[index]);
         Array<std::uint32_t> available;
-        if (subscription != nullptr) { // before it moves, which is not undone
+        if (subscription != nullptr) { // before it moves
             available = Array<std::uint32_t>{subscription->retransmission().available()};
         }
         result.status_code = subscription == nullptr ? status::Bad_SubscriptionIdInvalid
-                                                     : transfer(all, context, *subscription,
-                                                                request.send_initial_values);
+                                                     : transfer(all_, *context_, *subscription,
+                                                                request().send_initial_values);
         if (result.status_code.is_good()) {
             result.available_sequence_numbers = std::move(available);
+        } else if (first_bad_.is_good()) {
+            first_bad_ = result.status_code;
         }
-        response.results.push_back(std::move(result));
+        ++done_;
+        return result;
     }
-    tell_transferred(all.needs().log, context, status_of_all(response.results));
-    // Publish requests of the session may have waited for the Notifications of these.
-    busbar::detail::attempt([&] { PublishPart::of(*context.session).serve(context.now); });
-    return status::Good;
+    void pause(ServiceContext& context) override
+    {
+        if (done_ == size()) {
+            tell(*context.session, first_bad_);
+        }
+        // Publish requests of the session may have waited for the Notifications of these.
+        busbar::detail::attempt([&] { PublishPart::of(*context.session).serve(context.now); });
+    }
+    void ends_with(StatusCode status) override { tell(*session(), status); }
+
+    void tell(const Session& session, StatusCode status)
+    {
+        LogSink& log = all_.needs().log;
+        if (std::exchange(is_told_, true) || !log.wants(RecordKind::SubscriptionsTransferred)) {
+            return;
+        }
+        Record record{RecordKind::SubscriptionsTransferred, LogLevel::Debug, "subscription"};
+        record.actor = actor_of(session, mark_);
+        record.status = status;
+        log.record(record);
+    }
+
+    SubscriptionTable& all_;
+    /// Valid during its turn.
+    ServiceContext* context_{nullptr};
+    RequestMark mark_;
+    std::size_t done_{0};
+    /// The first status that is not Good.
+    StatusCode first_bad_;
+    bool is_told_{false};
+};
+
+} // namespace
+
+std::unique_ptr<ServiceOperation> make_transfer_subscriptions(SubscriptionTable& all)
+{
+    return std::make_unique<TransferOperation>(all);
 }
 
 } // namespace busbar::server::detail

@@ -128,7 +128,17 @@ public:
     static void undo(Session& session, const RegisterNodesResponse& response);
 };
 
-[[nodiscard]] StatusCode unregister_nodes(ViewContext& context,
+/// An UnregisterNodes (Part 4, 5.9.6) that continues where its turn ended.
+class UnregisterWork {
+public:
+    /// Returns an error of the whole request, if there is one. Call it first, once.
+    [[nodiscard]] static StatusCode begin(const ViewContext& context,
                                           const UnregisterNodesRequest& request);
+    /// Returns true at the end of the request; false if the turn ends before.
+    [[nodiscard]] bool go_on(ViewContext& context, const UnregisterNodesRequest& request);
+
+private:
+    std::size_t done_{0};
+};
 
 } // namespace busbar::server::detail

@@ -105,15 +105,20 @@ void RegisterWork::undo(Session& session, const RegisterNodesResponse& response)
     }
 }
 
-StatusCode unregister_nodes(ViewContext& context, const UnregisterNodesRequest& request)
+StatusCode UnregisterWork::begin(const ViewContext& context, const UnregisterNodesRequest& request)
 {
-    const StatusCode status = check(context, request.nodes_to_unregister);
-    if (status.is_good() && context.session.registered != nullptr) {
-        for (const NodeId& id : request.nodes_to_unregister) {
-            context.session.registered->remove(id);
-        }
+    return check(context, request.nodes_to_unregister);
+}
+
+bool UnregisterWork::go_on(ViewContext& context, const UnregisterNodesRequest& request)
+{
+    const auto ids = request.nodes_to_unregister.span();
+    RegisteredNodes* const registered = context.session.registered.get();
+    for (; registered != nullptr && done_ < ids.size() && !context.turn.is_over(); ++done_) {
+        registered->remove(ids[done_]);
+        context.turn.spend(Turn::units_of_value);
     }
-    return status;
+    return registered == nullptr || done_ == ids.size();
 }
 
 } // namespace busbar::server::detail

@@ -181,6 +181,37 @@ private:
     RegisterNodesResponse response_;
 };
 
+class UnregisterOperation final : public OperationOf<UnregisterNodesRequest> {
+public:
+    explicit UnregisterOperation(const ViewNeeds& needs) : needs_{needs} {}
+
+    void start(ServiceContext& context) override
+    {
+        const StatusCode status = UnregisterWork::begin(view_context(needs_, context), request());
+        if (status.is_bad()) {
+            return fault(status);
+        }
+        take_turn(context);
+    }
+    [[nodiscard]] bool wants_turn() const override { return !is_finished(); }
+    void take_turn(ServiceContext& context) override
+    {
+        ViewContext view = view_context(needs_, context);
+        view.turn = context.peer.turn();
+        const bool is_complete = work_.go_on(view, request());
+        context.peer.turn() = view.turn;
+        if (is_complete) {
+            respond<UnregisterNodesResponse>([](binary::Writer&) {});
+        }
+    }
+
+private:
+    [[nodiscard]] bool takes_aliases() const override { return true; }
+
+    const ViewNeeds& needs_;
+    UnregisterWork work_;
+};
+
 } // namespace
 
 std::unique_ptr<ServiceOperation> make_browse(const ViewNeeds& needs)
@@ -204,11 +235,9 @@ std::unique_ptr<ServiceOperation> make_register_nodes(const ViewNeeds& needs)
     return std::make_unique<RegisterOperation>(needs);
 }
 
-StatusCode unregister_nodes(const ViewNeeds& needs, ServiceContext& context,
-                            const UnregisterNodesRequest& request, UnregisterNodesResponse&)
+std::unique_ptr<ServiceOperation> make_unregister_nodes(const ViewNeeds& needs)
 {
-    ViewContext view = view_context(needs, context);
-    return unregister_nodes(view, request);
+    return std::make_unique<UnregisterOperation>(needs);
 }
 
 } // namespace busbar::server::detail

@@ -13,8 +13,6 @@ namespace busbar::server::detail {
 [[nodiscard]] std::unique_ptr<ServiceOperation> make_browse_next(const ViewNeeds& needs);
 [[nodiscard]] std::unique_ptr<ServiceOperation> make_translate_browse_paths(const ViewNeeds& needs);
 [[nodiscard]] std::unique_ptr<ServiceOperation> make_register_nodes(const ViewNeeds& needs);
-[[nodiscard]] StatusCode unregister_nodes(const ViewNeeds& needs, ServiceContext& context,
-                                          const UnregisterNodesRequest& request,
-                                          UnregisterNodesResponse& response);
+[[nodiscard]] std::unique_ptr<ServiceOperation> make_unregister_nodes(const ViewNeeds& needs);
 
 } // namespace busbar::server::detail

@@ -13,8 +13,8 @@ namespace detail {
 namespace {
 
 constexpr std::array transfer_rows{
-    function<TransferSubscriptionsRequest, TransferSubscriptionsResponse, &Core::subscriptions,
-             transfer_subscriptions>(Need::Activated),
+    operation<TransferSubscriptionsRequest, make_transfer_subscriptions, &Core::subscriptions>(
+        Need::Activated),
 };
 
 } // namespace

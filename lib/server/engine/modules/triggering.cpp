@@ -13,8 +13,7 @@ namespace detail {
 namespace {
 
 constexpr std::array triggering_rows{
-    function<SetTriggeringRequest, SetTriggeringResponse, &Core::subscriptions, set_triggering>(
-        Need::Activated),
+    operation<SetTriggeringRequest, make_set_triggering, &Core::subscriptions>(Need::Activated),
 };
 
 } // namespace
