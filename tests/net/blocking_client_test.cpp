@@ -75,6 +75,41 @@ TEST_CASE("a blocking client reads and writes", "[net][client][unit:Attribute Cl
     CHECK(user.read(machine.node("Level")) == Variant{2.5});
 }
 
+namespace {
+
+/// Counts how often it is copied.
+struct CountedRead : ReadRequest {
+    explicit CountedRead(ReadRequest request) : ReadRequest{std::move(request)} {}
+    CountedRead(const CountedRead& other) : ReadRequest{other} { ++copies; }
+    CountedRead(CountedRead&&) = default;
+    CountedRead& operator=(const CountedRead&) = delete;
+    CountedRead& operator=(CountedRead&&) = delete;
+    ~CountedRead() = default;
+
+    static inline int copies{0};
+};
+
+} // namespace
+
+TEST_CASE("a request of a blocking client is sent from where it is", "[net][client]")
+{
+    Machine machine;
+    Blocking user{test::client_config(machine.url())};
+    REQUIRE(user.client.connect());
+    CountedRead::copies = 0;
+    CountedRead request{test::read_request(machine.node("Level"))};
+    const ReadRequest before = request;
+    const auto response = user.client.call<ReadResponse>(request);
+    REQUIRE(response);
+    CHECK(response->results.size() == 1);
+    CHECK(request == before); // with the header that it had
+    CHECK(user.client.call<ReadResponse>(CountedRead{before}));
+    CHECK(CountedRead::copies == 0);
+    const CountedRead fixed{before};
+    CHECK(user.client.call<ReadResponse>(fixed));
+    CHECK(CountedRead::copies != 0);
+}
+
 TEST_CASE("several addresses are tried, one after the other", "[net][client]")
 {
     Machine machine; // listens on 127.0.0.1 only; localhost may be ::1 first

@@ -5,11 +5,13 @@
 #include <memory>
 #include <optional>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 
 #include <busbar/client/client.hpp>
 #include <busbar/client/operation.hpp>
 #include <busbar/core/api.hpp>
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/net/reverse_limits.hpp>
 
 namespace busbar::net {
@@ -37,14 +39,21 @@ public:
     /// Bad_Timeout, Bad_RequestInterrupted, or the first failure that another attempt cannot cure.
     /// The Client keeps trying in later calls, unless it is closed.
     [[nodiscard]] Result<void> connect(Duration timeout = std::chrono::seconds{20});
-    /// Sends `request` and waits for its response; also Bad_RequestInterrupted.
+    /// Sends `request` and waits for its response; also Bad_RequestInterrupted. Copies a request
+    /// only if it is const; handlers that are called meanwhile must not change it.
     template <typename Response, typename Request>
-    [[nodiscard]] Result<Response> call(Request request, client::RequestOptions options = {})
+    [[nodiscard]] Result<Response> call(Request&& request, client::RequestOptions options = {})
     {
         std::optional<Result<Response>> answer;
-        const client::RequestId id = client().template call<Response>(
-            std::move(request), [&](Result<Response> result) { answer = std::move(result); },
-            options);
+        const auto done = [&](Result<Response> result) { answer = std::move(result); };
+        client::RequestId id = 0;
+        if constexpr (std::is_lvalue_reference_v<Request> &&
+                      !std::is_const_v<std::remove_reference_t<Request>>) {
+            id = client().template call<Response>(Lent<std::decay_t<Request>>{&request, {}}, done,
+                                                  options);
+        } else {
+            id = client().template call<Response>(std::forward<Request>(request), done, options);
+        }
         if (!run_until([&] { return answer.has_value(); })) {
             client().cancel(id);
             return fail(status::Bad_RequestInterrupted);
@@ -90,6 +99,23 @@ public:
     [[nodiscard]] client::Client& client();
 
 private:
+    /// A request of the caller of call(), which has the header of the connection only while it is
+    /// encoded.
+    template <typename Request>
+    struct Lent {
+        static constexpr std::uint32_t binary_encoding_id = Request::binary_encoding_id;
+
+        friend void encode(binary::Writer& writer, const Lent& lent)
+        {
+            RequestHeader own = std::exchange(lent.request->request_header, lent.request_header);
+            busbar::detail::Undo undo{[&] { lent.request->request_header = std::move(own); }};
+            encode(writer, *lent.request);
+        }
+
+        Request* request;
+        RequestHeader request_header;
+    };
+
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };

@@ -16,12 +16,18 @@ struct BrowseService {
     {
         return limits.max_nodes_per_browse;
     }
-    [[nodiscard]] BrowseRequest request(std::span<const BrowseDescription> items) const
+    [[nodiscard]] BorrowingRequest<BrowseRequest, BrowseDescription>
+    request(std::span<const BrowseDescription> items) const
     {
-        BrowseRequest request;
-        request.requested_max_references_per_node = references_per_answer;
-        request.nodes_to_browse = Array<BrowseDescription>{items};
-        return request;
+        BrowseRequest others;
+        others.requested_max_references_per_node = references_per_answer;
+        return {items,
+                std::move(others),
+                [](binary::Writer& writer, const BrowseRequest& request) {
+                    encode(writer, request.view);
+                    writer.number(request.requested_max_references_per_node);
+                },
+                {}};
     }
     static Array<BrowseResult> results(BrowseResponse& response, std::size_t /*count*/)
     {
@@ -43,12 +49,17 @@ struct BrowseNextService {
     {
         return limits.max_nodes_per_browse;
     }
-    [[nodiscard]] BrowseNextRequest request(std::span<const ByteString> items) const
+    [[nodiscard]] BorrowingRequest<BrowseNextRequest, ByteString>
+    request(std::span<const ByteString> items) const
     {
-        BrowseNextRequest request;
-        request.release_continuation_points = releases;
-        request.continuation_points = Array<ByteString>{items};
-        return request;
+        BrowseNextRequest others;
+        others.release_continuation_points = releases;
+        return {items,
+                std::move(others),
+                [](binary::Writer& writer, const BrowseNextRequest& request) {
+                    encode(writer, request.release_continuation_points);
+                },
+                {}};
     }
     static Array<BrowseResult> results(BrowseNextResponse& response, std::size_t /*count*/)
     {

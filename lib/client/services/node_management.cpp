@@ -7,8 +7,7 @@ namespace busbar::client {
 namespace {
 
 /// The four services differ in their structures only.
-template <typename ItemType, typename OutcomeType, typename RequestType, typename ResponseType,
-          Array<ItemType> RequestType::*items_of>
+template <typename ItemType, typename OutcomeType, typename RequestType, typename ResponseType>
 struct NodeManagementService {
     using Item = ItemType;
     using Outcome = OutcomeType;
@@ -19,11 +18,10 @@ struct NodeManagementService {
     {
         return limits.max_nodes_per_node_management;
     }
-    [[nodiscard]] static RequestType request(std::span<const ItemType> items)
+    [[nodiscard]] static detail::BorrowingRequest<RequestType, ItemType>
+    request(std::span<const ItemType> items)
     {
-        RequestType request;
-        request.*items_of = Array<ItemType>{items};
-        return request;
+        return {items, {}, nullptr, {}};
     }
     static Array<OutcomeType> results(ResponseType& response, std::size_t /*count*/)
     {
@@ -31,17 +29,15 @@ struct NodeManagementService {
     }
 };
 
-using AddNodesService = NodeManagementService<AddNodesItem, AddNodesResult, AddNodesRequest,
-                                              AddNodesResponse, &AddNodesRequest::nodes_to_add>;
-using AddReferencesService =
-    NodeManagementService<AddReferencesItem, StatusCode, AddReferencesRequest,
-                          AddReferencesResponse, &AddReferencesRequest::references_to_add>;
+using AddNodesService =
+    NodeManagementService<AddNodesItem, AddNodesResult, AddNodesRequest, AddNodesResponse>;
+using AddReferencesService = NodeManagementService<AddReferencesItem, StatusCode,
+                                                   AddReferencesRequest, AddReferencesResponse>;
 using DeleteNodesService =
-    NodeManagementService<DeleteNodesItem, StatusCode, DeleteNodesRequest, DeleteNodesResponse,
-                          &DeleteNodesRequest::nodes_to_delete>;
+    NodeManagementService<DeleteNodesItem, StatusCode, DeleteNodesRequest, DeleteNodesResponse>;
 using DeleteReferencesService =
     NodeManagementService<DeleteReferencesItem, StatusCode, DeleteReferencesRequest,
-                          DeleteReferencesResponse, &DeleteReferencesRequest::references_to_delete>;
+                          DeleteReferencesResponse>;
 
 ServiceOptions in_order(ServiceOptions options)
 {

@@ -17,11 +17,10 @@ struct RegisterService {
     {
         return limits.max_nodes_per_register_nodes;
     }
-    [[nodiscard]] static RegisterNodesRequest request(std::span<const NodeId> items)
+    [[nodiscard]] static detail::BorrowingRequest<RegisterNodesRequest, NodeId>
+    request(std::span<const NodeId> items)
     {
-        RegisterNodesRequest request;
-        request.nodes_to_register = Array<NodeId>{items};
-        return request;
+        return {items, {}, nullptr, {}};
     }
     static Array<NodeId> results(RegisterNodesResponse& response, std::size_t /*count*/)
     {
@@ -39,11 +38,10 @@ struct UnregisterService {
     {
         return limits.max_nodes_per_register_nodes;
     }
-    [[nodiscard]] static UnregisterNodesRequest request(std::span<const NodeId> items)
+    [[nodiscard]] static detail::BorrowingRequest<UnregisterNodesRequest, NodeId>
+    request(std::span<const NodeId> items)
     {
-        UnregisterNodesRequest request;
-        request.nodes_to_unregister = Array<NodeId>{items};
-        return request;
+        return {items, {}, nullptr, {}};
     }
     /// The response has no results (Part 4, 5.9.6.2).
     static Array<StatusCode> results(UnregisterNodesResponse& /*response*/, std::size_t count)

@@ -16,12 +16,10 @@ struct TranslateService {
     {
         return limits.max_nodes_per_translate_browse_paths;
     }
-    [[nodiscard]] static TranslateBrowsePathsToNodeIdsRequest
+    [[nodiscard]] static detail::BorrowingRequest<TranslateBrowsePathsToNodeIdsRequest, BrowsePath>
     request(std::span<const BrowsePath> items)
     {
-        TranslateBrowsePathsToNodeIdsRequest request;
-        request.browse_paths = Array<BrowsePath>{items};
-        return request;
+        return {items, {}, nullptr, {}};
     }
     static Array<BrowsePathResult> results(Response& response, std::size_t /*count*/)
     {
