@@ -1,6 +1,11 @@
 #include <busbar/binary/codec.hpp>
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <limits>
+#include <type_traits>
 
 #include "core/utf8.hpp"
 
@@ -41,6 +46,41 @@ std::span<const std::byte> decode_text(binary::Reader& reader, std::uint32_t lim
     return is_null ? std::span<const std::byte>{} : reader.bytes(static_cast<std::size_t>(length));
 }
 
+/// Compares bits, in blocks without a branch, so that a compiler uses vectors for it.
+template <typename T>
+bool has_nan(std::span<const T> values)
+{
+    using Bits =
+        std::conditional_t<sizeof(T) == sizeof(std::uint32_t), std::uint32_t, std::uint64_t>;
+    constexpr Bits magnitude = ~Bits{0} >> 1U;
+    constexpr Bits infinity = std::bit_cast<Bits>(std::numeric_limits<T>::infinity());
+    constexpr std::size_t block = 1'024;
+    for (std::size_t begin = 0; begin < values.size(); begin += block) {
+        const auto part = values.subspan(begin, std::min(block, values.size() - begin));
+        Bits found = 0;
+        for (const T value : part) {
+            // The top bit is set if infinity is less than the magnitude: both have it clear.
+            found |= infinity - (std::bit_cast<Bits>(value) & magnitude);
+        }
+        if ((found & ~magnitude) != 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+template <typename T>
+void encode_all(binary::Writer& writer, std::span<const T> values)
+{
+    if (!has_nan(values)) {
+        writer.numbers(values);
+        return;
+    }
+    for (const T value : values) {
+        encode(writer, value);
+    }
+}
+
 } // namespace
 
 void encode(binary::Writer& writer, float value)
@@ -54,6 +94,16 @@ void encode(binary::Writer& writer, double value)
 {
     writer.number(std::isnan(value) ? std::uint64_t{0xFFF8000000000000U}
                                     : std::bit_cast<std::uint64_t>(value));
+}
+
+void detail::encode_reals(binary::Writer& writer, std::span<const float> values)
+{
+    encode_all(writer, values);
+}
+
+void detail::encode_reals(binary::Writer& writer, std::span<const double> values)
+{
+    encode_all(writer, values);
 }
 
 void encode(binary::Writer& writer, const String& value)

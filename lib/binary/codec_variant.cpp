@@ -1,10 +1,7 @@
 #include <busbar/binary/codec.hpp>
 
-#include <algorithm>
 #include <array>
-#include <bit>
 #include <cstdint>
-#include <limits>
 #include <type_traits>
 
 #include "wire_masks.hpp"
@@ -57,29 +54,6 @@ Array<std::uint32_t> decode_dimensions(binary::Reader& reader, std::size_t count
     return dimensions;
 }
 
-/// Compares bits, in blocks without a branch, so that a compiler uses vectors for it.
-template <typename T>
-bool has_nan(std::span<const T> values)
-{
-    using Bits =
-        std::conditional_t<sizeof(T) == sizeof(std::uint32_t), std::uint32_t, std::uint64_t>;
-    constexpr Bits magnitude = ~Bits{0} >> 1U;
-    constexpr Bits infinity = std::bit_cast<Bits>(std::numeric_limits<T>::infinity());
-    constexpr std::size_t block = 1'024;
-    for (std::size_t begin = 0; begin < values.size(); begin += block) {
-        const auto part = values.subspan(begin, std::min(block, values.size() - begin));
-        Bits found = 0;
-        for (const T value : part) {
-            // The top bit is set if infinity is less than the magnitude: both have it clear.
-            found |= infinity - (std::bit_cast<Bits>(value) & magnitude);
-        }
-        if ((found & ~magnitude) != 0) {
-            return true;
-        }
-    }
-    return false;
-}
-
 template <typename T>
 struct CodecOf {
     static void encode_scalar(binary::Writer& writer, const Variant& value)
@@ -90,16 +64,7 @@ struct CodecOf {
     }
     static void encode_array(binary::Writer& writer, const Variant& value)
     {
-        const Array<T>& elements = *value.array_if<T>();
-        if constexpr (std::is_floating_point_v<T>) {
-            // Only a NaN is not written as it is (Part 6, 5.2.2.3).
-            if (!elements.is_null() && !has_nan(elements.span())) {
-                writer.length(elements.size());
-                writer.numbers(elements.span());
-                return;
-            }
-        }
-        encode(writer, elements);
+        encode(writer, *value.array_if<T>());
     }
     static void decode_scalar(binary::Reader& reader, Variant& value)
     {

@@ -309,9 +309,12 @@ TEST_CASE("a NaN at any place of an array is a quiet one (Part 6, 5.2.2.3)")
                     sent[at] = signalling;
                     values[at] = std::bit_cast<T>(expected_bits);
                 }
+                const auto field = binary::to_bytes(sent); // of a structure
                 const auto bytes = binary::to_bytes(Variant{std::move(sent)});
                 REQUIRE(bytes);
                 constexpr std::size_t header = 5;
+                REQUIRE(field);
+                CHECK(std::equal(field->begin(), field->end(), bytes->begin() + 1, bytes->end()));
                 REQUIRE(bytes->size() == header + size * sizeof(T));
                 std::vector<std::byte> wanted;
                 for (const T& value : values) {

@@ -101,6 +101,12 @@ BUSBAR_API void decode(binary::Reader& reader, DataValue& value);
 BUSBAR_API void decode(binary::Reader& reader, Variant& value);
 BUSBAR_API void decode(binary::Reader& reader, DiagnosticInfo& value);
 
+namespace detail {
+/// Writes the elements as they are, but each NaN as that of Part 6, 5.2.2.3.
+BUSBAR_API void encode_reals(binary::Writer& writer, std::span<const float> values);
+BUSBAR_API void encode_reals(binary::Writer& writer, std::span<const double> values);
+} // namespace detail
+
 /// Arrays (Part 6, 5.2.5): an Int32 count, -1 for null, and the elements.
 template <typename T>
 void encode(binary::Writer& writer, const Array<T>& values)
@@ -110,7 +116,9 @@ void encode(binary::Writer& writer, const Array<T>& values)
         return;
     }
     writer.length(values.size());
-    if constexpr (detail::WireNumber<T> && !std::is_floating_point_v<T>) {
+    if constexpr (std::is_floating_point_v<T>) {
+        detail::encode_reals(writer, values.span());
+    } else if constexpr (detail::WireNumber<T>) {
         writer.numbers(values.span());
     } else {
         for (const T& value : values) {

@@ -99,6 +99,7 @@ public:
     [[nodiscard]] bool is_measuring() const { return is_measuring_; }
     /// From now on fails with Bad_EncodingError at a text that is not UTF-8 (Part 6, 5.2.2.4).
     void check_texts() { checks_texts_ = true; }
+    /// True after check_texts().
     [[nodiscard]] bool checks_texts() const { return checks_texts_; }
     /// Writes the elements of an array of numbers at once.
     template <busbar::detail::WireNumber T>
