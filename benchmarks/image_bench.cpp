@@ -5,6 +5,7 @@
 #include <sched.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdio>
@@ -111,6 +112,49 @@ std::shared_ptr<server::ProcessImage> make_gathered(std::span<std::int16_t> memo
     return server::ProcessImage::create(std::move(layout), options);
 }
 
+/// The median of publishes of which each finds `changed` other variables with another value: their
+/// source timestamps are those of the scan then. In us.
+double publish_cost(server::ProcessImage& image, std::uint32_t changed)
+{
+    constexpr int scans = 500;
+    std::vector<Duration> times(scans);
+    std::uint32_t next = 0;
+    for (int scan = 0; scan < scans; ++scan) {
+        for (std::uint32_t i = 0; i < changed; ++i, next = (next + 1) % image.size()) {
+            ++image.memory().value<std::int16_t>(next);
+        }
+        const auto begin = Clock::now();
+        image.begin_scan();
+        image.publish(DateTime::from_unix_seconds(scan + 1));
+        times[static_cast<std::size_t>(scan)] = Clock::now() - begin;
+    }
+    std::nth_element(times.begin(), times.begin() + scans / 2, times.end());
+    return microseconds(times[scans / 2]);
+}
+
+/// Publishes of variables that change, in rounds that take turns.
+void measure_changes(std::uint32_t variable_count)
+{
+    constexpr int rounds = 7;
+    server::ImageLayout layout;
+    for (std::uint32_t i = 0; i < variable_count; ++i) {
+        static_cast<void>(layout.add({.type = BuiltInType::Int16}));
+    }
+    const auto image = server::ProcessImage::create(std::move(layout), {});
+    const std::array<std::uint32_t, 4> changed{0, variable_count / 100, variable_count / 2,
+                                               variable_count};
+    std::array<std::vector<double>, changed.size()> costs;
+    for (int round = 0; round < rounds; ++round) {
+        for (std::size_t i = 0; i < changed.size(); ++i) {
+            costs[i].push_back(publish_cost(*image, changed[i]));
+        }
+    }
+    for (std::size_t i = 0; i < changed.size(); ++i) {
+        std::sort(costs[i].begin(), costs[i].end());
+        std::printf("%8u %12.2f %12.2f\n", changed[i], costs[i].front(), costs[i][rounds / 2]);
+    }
+}
+
 std::vector<Duration> time_scans(server::ProcessImage& image)
 {
     std::vector<Duration> times(20'000);
@@ -186,6 +230,10 @@ int main(int argc, char** argv)
     for (const unsigned readers : {0U, 1U, 10U}) {
         measure_publish(*plc->image(), readers);
     }
+
+    std::printf("\nPublish of variables that change, other ones in each scan\n%8s %12s %12s\n",
+                "changed", "least us", "median us");
+    measure_changes(variable_count);
 
     std::vector<std::int16_t> memory(std::size_t{2} * variable_count);
     std::printf("\nGathered from a runtime's memory, the variables side by side\n");

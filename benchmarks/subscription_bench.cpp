@@ -22,14 +22,13 @@
 #include <busbar/types/session.hpp>
 #include <busbar/types/subscription.hpp>
 
+#include "client/stopwatch.hpp"
 #include "command_line/program_options.hpp"
 
 using namespace busbar;
 using namespace std::chrono_literals;
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 class FixedClock final : public WallClock {
 public:
@@ -46,7 +45,8 @@ struct Options {
     std::uint32_t items{100'000};
     double sampling_interval{200};
     Duration scan{20ms};
-    int scans{500};
+    int scans{100};
+    int rounds{5};
 };
 
 class Bench {
@@ -60,9 +60,30 @@ public:
 
     int run()
     {
-        server_time_ = {};
-        received_ = 0;
-        for (int scan = 1; scan <= options_.scans; ++scan) {
+        std::vector<double> costs; // us of a notification, by round
+        std::size_t received = 0;
+        for (int round = 0; round < options_.rounds; ++round) {
+            server_time_.reset();
+            received_ = 0;
+            run_round(round * options_.scans);
+            costs.push_back(server_time_.seconds() * 1e6 /
+                            static_cast<double>(std::max<std::size_t>(received_, 1)));
+            received += received_;
+        }
+        std::sort(costs.begin(), costs.end());
+        std::printf("%u items, sampled every %g ms, %d rounds of %d scans of %lld ms: %zu "
+                    "notifications, of server time each %.3f us at least, %.3f us in the median, "
+                    "%zu errors\n",
+                    options_.items, options_.sampling_interval, options_.rounds, options_.scans,
+                    static_cast<long long>(options_.scan / 1ms), received, costs.front(),
+                    costs[costs.size() / 2], errors_);
+        return errors_ == 0 && received != 0 ? 0 : 1;
+    }
+
+private:
+    void run_round(int first)
+    {
+        for (int scan = first + 1; scan <= first + options_.scans; ++scan) {
             // The even ones in one scan, the odd ones in the next.
             for (std::uint32_t i = static_cast<std::uint32_t>(scan) % 2; i < options_.items;
                  i += 2) {
@@ -72,18 +93,7 @@ public:
             image_->publish(clock_.time);
             pass(options_.scan);
         }
-        const double per_notification =
-            std::chrono::duration<double, std::micro>{server_time_}.count() /
-            static_cast<double>(std::max<std::size_t>(received_, 1));
-        std::printf("%u items, sampled every %g ms, %d scans of %lld ms: %zu notifications, "
-                    "%.3f us of server time each, %zu errors\n",
-                    options_.items, options_.sampling_interval, options_.scans,
-                    static_cast<long long>(options_.scan / 1ms), received_, per_notification,
-                    errors_);
-        return errors_ == 0 && received_ != 0 ? 0 : 1;
     }
-
-private:
     void add_variables()
     {
         server::ImageLayout layout;
@@ -115,13 +125,6 @@ private:
         image_->publish(clock_.time);
     }
 
-    template <typename Function>
-    void timed(Function&& function)
-    {
-        const auto begin = Clock::now();
-        function();
-        server_time_ += Clock::now() - begin;
-    }
     /// Carries bytes both ways until nothing moves.
     void talk()
     {
@@ -130,7 +133,7 @@ private:
             const std::vector<std::byte> request{client_->output().begin(),
                                                  client_->output().end()};
             client_->consume(request.size());
-            timed([&] {
+            server_time_.time([&] {
                 static_cast<void>(connection_->feed(request, now_));
                 while (connection_->next_deadline() <= now_) { // large requests have turns
                     connection_->handle_deadline(now_);
@@ -149,7 +152,7 @@ private:
     {
         now_ += time;
         clock_.time.ticks += time.count() / 100;
-        timed([&] {
+        server_time_.time([&] {
             server_->handle_completions(now_);
             server_->handle_deadline(now_);
         });
@@ -287,7 +290,7 @@ private:
     std::uint32_t subscription_{0};
     std::uint32_t acknowledge_{0};
     std::vector<std::uint32_t> last_;
-    Clock::duration server_time_{};
+    bench::Stopwatch server_time_;
     std::size_t received_{0};
     std::size_t errors_{0};
 };
@@ -305,8 +308,11 @@ int main(int argc, char** argv)
     app.add_option("interval", options.sampling_interval, "sampling in ms; 0 is each scan")
         ->check(CLI::Range(0.0, 3'600'000.0))
         ->capture_default_str();
-    app.add_option("scans", options.scans, "how many are measured")
+    app.add_option("scans", options.scans, "scans of a round")
         ->check(CLI::Range(1, 1'000'000))
+        ->capture_default_str();
+    app.add_option("--rounds", options.rounds, "rounds, of which the least and the median are told")
+        ->check(CLI::Range(1, 1'000))
         ->capture_default_str();
     command_line::add_program_options(app, "busbar-subscription-bench");
     CLI11_PARSE(app, argc, argv);

@@ -10,7 +10,9 @@
 #include <CLI/CLI.hpp>
 
 #include <busbar/client/attributes.hpp>
+#include <busbar/core/log.hpp>
 #include <busbar/crypto/asymmetric.hpp>
+#include <busbar/net/server_loop.hpp>
 #include <busbar/types/attribute.hpp>
 #include <busbar/types/secure_channel.hpp>
 
@@ -87,27 +89,37 @@ private:
     bool is_connected_{false};
 };
 
-[[nodiscard]] ReadRequest read_of(std::uint32_t count)
+[[nodiscard]] ReadRequest read_of(std::uint32_t count, std::uint32_t first = 0)
 {
     ReadRequest request;
     request.timestamps_to_return = TimestampsToReturn::Source;
     for (std::uint32_t i = 0; i < count; ++i) {
         ReadValueId& item = request.nodes_to_read.emplace_back();
-        item.node_id = NodeId{1, i};
+        item.node_id = NodeId{1, (first + i) % variable_count};
         item.attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
     }
     return request;
+}
+
+/// Requests that name other variables in turn, as many as there are.
+[[nodiscard]] std::vector<ReadRequest> reads_of(std::uint32_t count)
+{
+    std::vector<ReadRequest> requests;
+    for (std::uint32_t first = 0; first < variable_count; first += count) {
+        requests.push_back(read_of(count, first));
+    }
+    return requests;
 }
 
 /// Of the client alone, in ns.
 double read_cost(Plant& plant, std::uint32_t values, int rounds)
 {
     User user{plant};
-    const ReadRequest request = read_of(values);
-    user.read(request);
+    const std::vector<ReadRequest> requests = reads_of(values);
+    user.read(requests.back());
     user.watch.reset();
     for (int i = 0; i < rounds; ++i) {
-        user.read(request);
+        user.read(requests[static_cast<std::size_t>(i) % requests.size()]);
     }
     return user.watch.seconds() * 1e9 / rounds / values;
 }
@@ -117,13 +129,17 @@ double read_cost(Plant& plant, std::uint32_t values, int rounds)
 std::pair<double, double> service_read_cost(Plant& plant, std::uint32_t values, int rounds)
 {
     User user{plant};
-    const Array<ReadValueId> nodes = read_of(values).nodes_to_read;
-    const std::vector<ReadValueId> kept(nodes.begin(), nodes.end());
+    std::vector<std::vector<ReadValueId>> lists;
+    for (const ReadRequest& request : reads_of(values)) {
+        lists.emplace_back(request.nodes_to_read.begin(), request.nodes_to_read.end());
+    }
+    std::size_t next = 0;
     client::ReadSettings settings;
     settings.timestamps = TimestampsToReturn::Source;
     Stopwatch copies;
     const auto read = [&] {
         bool is_done = false;
+        const std::vector<ReadValueId>& kept = lists[next++ % lists.size()];
         client::Operation operation;
         copies.time([&] { std::vector<ReadValueId>{kept}; });
         user.watch.time([&] {
@@ -180,7 +196,8 @@ double item_cost(Plant& plant, int rounds)
     return all.seconds() * 1e9 / rounds / variable_count;
 }
 
-double notification_cost(Plant& plant, std::uint32_t rounds)
+/// The values are larger than `before`, which those of the last call are not.
+double notification_cost(Plant& plant, std::uint32_t rounds, std::uint32_t before)
 {
     User user{plant};
     std::size_t arrived = 0;
@@ -208,7 +225,7 @@ double notification_cost(Plant& plant, std::uint32_t rounds)
     arrived = 0;
     user.watch.reset();
     for (std::uint32_t i = 1; i <= rounds; ++i) {
-        plant.set_all(i);
+        plant.set_all(before + i);
         pass();
         pass();
     }
@@ -304,48 +321,109 @@ double rsa_of_connect(Plant& plant, int rounds)
     return watch.seconds() / rounds;
 }
 
-void print(const char* what, double none, double secure, const char* unit)
+/// A line of the table, without and with security; a rate is the better the larger it is.
+struct Line {
+    const char* what;
+    const char* unit;
+    bool is_rate{false};
+    std::vector<double> none{};
+    std::vector<double> secure{};
+
+    void add(double without, double with)
+    {
+        none.push_back(without);
+        secure.push_back(with);
+    }
+};
+
+/// The best and the median of the rounds.
+void print(Line line)
 {
-    std::printf("%-42s %12.0f %12.0f %s\n", what, none, secure, unit);
+    const auto order = [&](double a, double b) { return line.is_rate ? a > b : a < b; };
+    std::sort(line.none.begin(), line.none.end(), order);
+    std::sort(line.secure.begin(), line.secure.end(), order);
+    const std::size_t middle = line.none.size() / 2;
+    std::printf("%-40s %10.0f %10.0f %10.0f %10.0f %s\n", line.what, line.none.front(),
+                line.none[middle], line.secure.front(), line.secure[middle], line.unit);
+}
+
+/// All lines, measured round after round.
+std::vector<Line> measure(int rounds, int part)
+{
+    enum : std::size_t {
+        Read,
+        Service,
+        Copy,
+        Item,
+        LargeRead,
+        Notification,
+        One,
+        Connect,
+        Own,
+        Rsa
+    };
+    std::vector<Line> lines{{"client, a value of Read 1,000", "ns"},
+                            {"client, a value of client::read 1,000", "ns"},
+                            {"of that a copy of the list", "ns"},
+                            {"client, an item of 25,000 created", "ns"},
+                            {"client, a value of Read 25,000", "ns"},
+                            {"client, a notification of 25,000 items", "ns"},
+                            {"Read of one value, client and server", "/s", true},
+                            {"connect, activate, close, both sides", "/s", true},
+                            {"of that the client's part", "%"},
+                            {"its RSA alone", "%"}};
+    const auto times = [&](int all) { return std::max(all / part / rounds, 1); };
+    Plant none{false};
+    Plant secure{true};
+    for (int round = 0; round < rounds; ++round) {
+        lines[Read].add(read_cost(none, 1'000, times(500)), read_cost(secure, 1'000, times(500)));
+        const auto service = service_read_cost(none, 1'000, times(500));
+        const auto secure_service = service_read_cost(secure, 1'000, times(500));
+        lines[Service].add(service.first, secure_service.first);
+        lines[Copy].add(service.second, secure_service.second);
+        lines[Item].add(item_cost(none, times(5)), item_cost(secure, times(5)));
+        lines[LargeRead].add(read_cost(none, 25'000, times(40)),
+                             read_cost(secure, 25'000, times(40)));
+        const auto scans = static_cast<std::uint32_t>(times(40));
+        const std::uint32_t before = static_cast<std::uint32_t>(round) * scans;
+        lines[Notification].add(notification_cost(none, scans, before),
+                                notification_cost(secure, scans, before));
+        lines[One].add(round_trips_per_second(none, times(50'000)),
+                       round_trips_per_second(secure, times(50'000)));
+        const auto plain = connects_per_second(none, times(2'000));
+        const auto encrypted = connects_per_second(secure, times(100));
+        lines[Connect].add(plain.first, encrypted.first);
+        lines[Own].add(plain.second * 100, encrypted.second * 100);
+        lines[Rsa].add(0, encrypted.first * rsa_of_connect(secure, times(100)) * 100);
+    }
+    return lines;
 }
 
 } // namespace
 
-/// busbar-client-bench [part of the rounds, as 1/n]
+/// busbar-client-bench [part of the requests, as 1/n] [--rounds n]
 int main(int argc, char** argv)
 {
     int part = 1;
+    int rounds = 5;
     CLI::App app{
         "Measures what a client costs: each value that it reads, each notification that it "
-        "is sent, and how many requests and connections one thread has in a second."};
-    app.add_option("part", part, "one in so many of the usual rounds")
+        "is sent, and how many requests and connections one thread has in a second. The best of "
+        "the rounds and their median, in processor time."};
+    app.add_option("part", part, "one in so many of the usual requests")
         ->check(CLI::Range(1, 1'000'000))
+        ->capture_default_str();
+    app.add_option("--rounds", rounds, "rounds over all lines")
+        ->check(CLI::Range(1, 1'000))
         ->capture_default_str();
     command_line::add_program_options(app, "busbar-client-bench");
     CLI11_PARSE(app, argc, argv);
-    const auto rounds = [&](int all) { return std::max(all / part, 1); };
-    Plant none{false};
-    Plant secure{true};
-    std::printf("%-42s %12s %12s\n", "", "None", "Sign+Encrypt");
-    print("client, a value of Read 1,000", read_cost(none, 1'000, rounds(500)),
-          read_cost(secure, 1'000, rounds(500)), "ns");
-    const auto service = service_read_cost(none, 1'000, rounds(500));
-    const auto secure_service = service_read_cost(secure, 1'000, rounds(500));
-    print("client, a value of client::read 1,000", service.first, secure_service.first, "ns");
-    print("of that a copy of the list", service.second, secure_service.second, "ns");
-    print("client, an item of 25,000 created", item_cost(none, rounds(5)),
-          item_cost(secure, rounds(5)), "ns");
-    print("client, a value of Read 25,000", read_cost(none, 25'000, rounds(40)),
-          read_cost(secure, 25'000, rounds(40)), "ns");
-    const auto scans = static_cast<std::uint32_t>(rounds(40));
-    print("client, a notification of 25,000 items", notification_cost(none, scans),
-          notification_cost(secure, scans), "ns");
-    print("Read of one value, client and server", round_trips_per_second(none, rounds(50'000)),
-          round_trips_per_second(secure, rounds(50'000)), "/s");
-    const auto plain = connects_per_second(none, rounds(2'000));
-    const auto encrypted = connects_per_second(secure, rounds(100));
-    print("connect, activate, close, both sides", plain.first, encrypted.first, "/s");
-    print("of that the client's part", plain.second * 100, encrypted.second * 100, "%");
-    print("its RSA alone", 0, encrypted.first * rsa_of_connect(secure, rounds(100)) * 100, "%");
+    NullLog log;
+    const net::ServerLoop loop{log}; // sets the allocator as for every server and client of net
+    const std::vector<Line> lines = measure(rounds, part);
+    std::printf("%-40s %10s %10s %10s %10s\n", "", "None", "median", "Sign+Enc", "median");
+    for (const Line& line : lines) {
+        print(line);
+    }
     return 0;
 }
