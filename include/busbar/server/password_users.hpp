@@ -1,8 +1,7 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
-#include <mutex>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -20,17 +19,18 @@ namespace busbar::server {
 /// by default some tens of milliseconds and 16.8 MB (PasswordRules::cost); an unknown name costs
 /// the same as one of the users. See set_worker. Called from any thread.
 class BUSBAR_API PasswordUsers final : public UserStore {
-    struct User {
-        std::string password_hash;
-        UserRights rights;
-        bool has_code{false};
-    };
-    using Users = std::map<std::string, User, std::less<>>;
+    struct User;
+    struct Users;
 
 public:
     /// Users to be set and removed together.
     class BUSBAR_API Change {
     public:
+        Change();
+        Change(Change&&) noexcept;
+        Change& operator=(Change&&) noexcept;
+        ~Change();
+
         /// Sets as PasswordUsers::set does.
         [[nodiscard]] Result<void> set(std::string name, std::string password_hash,
                                        UserRights rights = {});
@@ -45,11 +45,14 @@ public:
 
         [[nodiscard]] Result<void> put(std::string name, User user);
 
-        Users set_;
+        std::unique_ptr<Users> set_;
         std::vector<std::string> gone_;
     };
 
-    explicit PasswordUsers(PasswordRules rules = {}) : rules_{std::move(rules)} {}
+    explicit PasswordUsers(PasswordRules rules = {});
+    PasswordUsers(const PasswordUsers&) = delete;
+    PasswordUsers& operator=(const PasswordUsers&) = delete;
+    ~PasswordUsers() override;
 
     /// Adds a user with a password. Bad_InvalidArgument if name or password break the rules,
     /// Bad_EntryExists if the name exists, Bad_TooManyOperations at PasswordRules::max_users.
@@ -89,8 +92,7 @@ public:
 
 private:
     PasswordRules rules_;
-    mutable std::mutex mutex_; // protects users_
-    Users users_;
+    std::unique_ptr<Users> users_;
     std::uint8_t anonymous_{anonymous_reader().access_level_mask};
     Worker* worker_{nullptr};
 };

@@ -1,5 +1,7 @@
 #include <busbar/server/password_users.hpp>
 
+#include <map>
+#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -20,6 +22,29 @@ Unexpected<Refusal> refuse_change(StatusCode status, std::string_view name, std:
 
 } // namespace
 
+struct PasswordUsers::User {
+    std::string password_hash;
+    UserRights rights;
+    bool has_code{false};
+};
+
+/// A Change has no use for the mutex.
+struct PasswordUsers::Users {
+    std::mutex mutex; // protects all
+    std::map<std::string, User, std::less<>> all;
+};
+
+PasswordUsers::Change::Change() : set_{std::make_unique<Users>()} {}
+PasswordUsers::Change::Change(Change&&) noexcept = default;
+PasswordUsers::Change& PasswordUsers::Change::operator=(Change&&) noexcept = default;
+PasswordUsers::Change::~Change() = default;
+
+PasswordUsers::PasswordUsers(PasswordRules rules)
+    : rules_{std::move(rules)}, users_{std::make_unique<Users>()}
+{
+}
+PasswordUsers::~PasswordUsers() = default;
+
 Checked<void> PasswordUsers::add(std::string_view name, std::string_view password,
                                  crypto::Random& random, UserRights rights)
 {
@@ -33,14 +58,14 @@ Checked<void> PasswordUsers::add(std::string_view name, std::string_view passwor
     if (!hash) {
         return refuse_change(hash.error(), name, "has no password hash");
     }
-    const std::lock_guard lock{mutex_};
-    if (users_.find(name) != users_.end()) {
+    const std::lock_guard lock{users_->mutex};
+    if (users_->all.find(name) != users_->all.end()) {
         return refuse_change(status::Bad_EntryExists, name, "is there already");
     }
-    if (users_.size() >= rules_.max_users) {
+    if (users_->all.size() >= rules_.max_users) {
         return refuse_change(status::Bad_TooManyOperations, name, "is one more than there may be");
     }
-    users_.emplace(std::string{name}, User{*std::move(hash), std::move(rights)});
+    users_->all.emplace(std::string{name}, User{*std::move(hash), std::move(rights)});
     return {};
 }
 
@@ -58,9 +83,9 @@ Checked<void> PasswordUsers::change_password(std::string_view name, std::string_
     if (!hash) {
         return refuse_change(hash.error(), name, "has no hash for the new password");
     }
-    const std::lock_guard lock{mutex_};
-    const auto found = users_.find(name);
-    if (found == users_.end()) {
+    const std::lock_guard lock{users_->mutex};
+    const auto found = users_->all.find(name);
+    if (found == users_->all.end()) {
         return refuse_change(status::Bad_UserAccessDenied, name, "was removed meanwhile");
     }
     found->second.password_hash = *std::move(hash);
@@ -69,12 +94,12 @@ Checked<void> PasswordUsers::change_password(std::string_view name, std::string_
 
 bool PasswordUsers::remove(std::string_view name)
 {
-    const std::lock_guard lock{mutex_};
-    const auto found = users_.find(name);
-    if (found == users_.end()) {
+    const std::lock_guard lock{users_->mutex};
+    const auto found = users_->all.find(name);
+    if (found == users_->all.end()) {
         return false;
     }
-    users_.erase(found);
+    users_->all.erase(found);
     return true;
 }
 
@@ -83,7 +108,7 @@ Result<void> PasswordUsers::Change::put(std::string name, User user)
     if (name.empty() || !crypto::is_password_hash(user.password_hash)) {
         return fail(status::Bad_InvalidArgument);
     }
-    set_.insert_or_assign(std::move(name), std::move(user));
+    set_->all.insert_or_assign(std::move(name), std::move(user));
     return {};
 }
 
@@ -121,26 +146,26 @@ Result<void> PasswordUsers::set_code(std::string name, std::string code_hash, Us
 
 bool PasswordUsers::has_code(std::string_view name) const
 {
-    const std::lock_guard lock{mutex_};
-    const auto found = users_.find(name);
-    return found != users_.end() && found->second.has_code;
+    const std::lock_guard lock{users_->mutex};
+    const auto found = users_->all.find(name);
+    return found != users_->all.end() && found->second.has_code;
 }
 
 void PasswordUsers::apply(Change change) noexcept
 {
-    const std::lock_guard lock{mutex_};
+    const std::lock_guard lock{users_->mutex};
     for (const std::string& name : change.gone_) {
-        users_.erase(name);
+        users_->all.erase(name);
     }
-    change.set_.merge(users_); // users that are not set again
-    users_.swap(change.set_);
+    change.set_->all.merge(users_->all); // users that are not set again
+    users_->all.swap(change.set_->all);
 }
 
 std::string PasswordUsers::password_hash(std::string_view name) const
 {
-    const std::lock_guard lock{mutex_};
-    const auto found = users_.find(name);
-    return found != users_.end() ? found->second.password_hash : std::string{};
+    const std::lock_guard lock{users_->mutex};
+    const auto found = users_->all.find(name);
+    return found != users_->all.end() ? found->second.password_hash : std::string{};
 }
 
 Result<UserIdentity> PasswordUsers::log_in(std::string_view name, std::string_view password)
@@ -148,18 +173,18 @@ Result<UserIdentity> PasswordUsers::log_in(std::string_view name, std::string_vi
     std::optional<UserRights> rights;
     std::string hash;
     {
-        const std::lock_guard lock{mutex_};
-        if (users_.empty()) {
+        const std::lock_guard lock{users_->mutex};
+        if (users_->all.empty()) {
             return fail(status::Bad_UserAccessDenied);
         }
         std::vector<std::string_view> hashes;
-        hashes.reserve(users_.size());
-        for (const auto& [other, user] : users_) {
+        hashes.reserve(users_->all.size());
+        for (const auto& [other, user] : users_->all) {
             hashes.push_back(user.password_hash);
         }
         // Chosen in any case, so that an unknown name takes as long as a known one.
         hash = hashes[detail::stand_in_for(name, hashes)];
-        if (const auto found = users_.find(name); found != users_.end()) {
+        if (const auto found = users_->all.find(name); found != users_->all.end()) {
             hash = found->second.password_hash;
             rights = found->second.rights;
         }
