@@ -102,6 +102,12 @@ std::string structure(const Schema& schema, const Type& type)
     return text + "\n";
 }
 
+bool has_union(const Schema::Group& group)
+{
+    return std::any_of(group.structures.begin(), group.structures.end(),
+                       [](const Type* type) { return type->kind == Type::Kind::Union; });
+}
+
 bool has_matrix(const Schema::Group& group)
 {
     return std::any_of(group.structures.begin(), group.structures.end(), [](const Type* type) {
@@ -116,8 +122,8 @@ std::string emit_header(const Schema& schema, const Schema::Group& group, const 
 {
     std::string text =
         preamble(schema) +
-        "#pragma once\n\n#include <cstddef>\n#include <cstdint>\n#include <optional>\n"
-        "#include <utility>\n#include <variant>\n\n" +
+        "#pragma once\n\n#include <cstddef>\n#include <cstdint>\n#include <optional>\n" +
+        (has_union(group) ? "#include <utility>\n#include <variant>\n" : "") + "\n" +
         (has_matrix(group) ? "#include <busbar/binary/matrix.hpp>\n" : "") +
         "#include <busbar/core/api.hpp>\n#include <busbar/core/types.hpp>\n";
     for (const std::string& include : schema.foreign_includes) {

@@ -5,6 +5,7 @@
 #include <busbar/client/attributes.hpp>
 #include <busbar/client/connection.hpp>
 #include <busbar/server/memory_source.hpp>
+#include <busbar/types/data_types.hpp>
 
 #include "client_fixture.hpp"
 

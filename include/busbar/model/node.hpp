@@ -5,8 +5,8 @@
 #include <span>
 
 #include <busbar/core/types.hpp>
-#include <busbar/types/data_types.hpp>
 #include <busbar/types/enumerations.hpp>
+#include <busbar/types/node_attributes.hpp>
 
 namespace busbar::model {
 

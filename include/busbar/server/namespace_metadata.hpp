@@ -10,7 +10,7 @@
 #include <busbar/core/array.hpp>
 #include <busbar/core/date_time.hpp>
 #include <busbar/core/node_id.hpp>
-#include <busbar/types/data_types.hpp>
+#include <busbar/types/node_attributes.hpp>
 
 namespace busbar::model {
 struct NodeSetModel;

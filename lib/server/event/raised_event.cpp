@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <busbar/types/data_types.hpp>
+
 namespace busbar::server::detail {
 
 namespace {
