@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
@@ -18,6 +17,7 @@
 #include <busbar/core/clock.hpp>
 #include <busbar/core/date_time.hpp>
 #include <busbar/administration/status_fact.hpp>
+#include <busbar/core/detail/chrono.hpp>
 #include <busbar/core/log.hpp>
 #include <busbar/core/named_fields.hpp>
 #include <busbar/core/problem.hpp>

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <functional>
 #include <span>
@@ -8,6 +7,7 @@
 #include <vector>
 
 #include <busbar/core/api.hpp>
+#include <busbar/core/detail/chrono.hpp>
 #include <busbar/core/named_fields.hpp>
 #include <busbar/core/node_id.hpp>
 #include <busbar/core/result.hpp>

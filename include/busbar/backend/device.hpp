@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -13,6 +12,7 @@
 #include <busbar/backend/plan.hpp>
 #include <busbar/core/api.hpp>
 #include <busbar/core/clock.hpp>
+#include <busbar/core/detail/chrono.hpp>
 #include <busbar/core/log.hpp>
 #include <busbar/core/result.hpp>
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <compare>
 #include <cstddef>
 #include <cstdint>
@@ -11,6 +10,7 @@
 
 #include <busbar/core/api.hpp>
 #include <busbar/core/clock.hpp>
+#include <busbar/core/detail/chrono.hpp>
 #include <busbar/core/result.hpp>
 
 /// The plan that turns batches of addresses into few requests to a PLC; the same for each protocol

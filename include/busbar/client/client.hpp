@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -16,6 +15,7 @@
 #include <busbar/client/subscriptions.hpp>
 #include <busbar/client/user_identity.hpp>
 #include <busbar/core/api.hpp>
+#include <busbar/core/detail/chrono.hpp>
 
 namespace busbar::client {
 

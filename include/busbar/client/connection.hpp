@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -15,6 +14,7 @@
 #include <busbar/client/response_limits.hpp>
 #include <busbar/client/user_identity.hpp>
 #include <busbar/core/api.hpp>
+#include <busbar/core/detail/chrono.hpp>
 #include <busbar/types/common.hpp>
 #include <busbar/types/discovery.hpp>
 

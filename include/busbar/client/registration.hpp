@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -8,6 +7,7 @@
 #include <busbar/client/client.hpp>
 #include <busbar/client/once_log.hpp>
 #include <busbar/core/api.hpp>
+#include <busbar/core/detail/chrono.hpp>
 #include <busbar/types/discovery.hpp>
 
 namespace busbar::client {

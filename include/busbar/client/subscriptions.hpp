@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -11,6 +10,7 @@
 #include <busbar/client/requester.hpp>
 #include <busbar/core/api.hpp>
 #include <busbar/core/attribute_id.hpp>
+#include <busbar/core/detail/chrono.hpp>
 #include <busbar/types/monitored_item.hpp>
 #include <busbar/types/subscription.hpp>
 

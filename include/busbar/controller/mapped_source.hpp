@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -14,6 +13,7 @@
 #include <busbar/controller/mapping.hpp>
 #include <busbar/controller/value_shape.hpp>
 #include <busbar/core/api.hpp>
+#include <busbar/core/detail/chrono.hpp>
 #include <busbar/core/node_id.hpp>
 #include <busbar/core/variant.hpp>
 #include <busbar/model/space_reader.hpp>

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 
 #include <busbar/core/api.hpp>
 #include <busbar/core/date_time.hpp>
+#include <busbar/core/detail/chrono.hpp>
 
 namespace busbar {
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -11,6 +10,7 @@
 
 #include <busbar/core/api.hpp>
 #include <busbar/core/date_time.hpp>
+#include <busbar/core/detail/chrono.hpp>
 #include <busbar/core/refusal.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/crypto/certificate.hpp>

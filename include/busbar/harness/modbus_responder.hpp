@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -15,6 +14,7 @@
 #include <busbar/backend/modbus_pdu.hpp>
 #include <busbar/core/api.hpp>
 #include <busbar/core/clock.hpp>
+#include <busbar/core/detail/chrono.hpp>
 #include <busbar/core/result.hpp>
 
 /// A Modbus TCP device for tests of what reads and writes one: its memory, its limits, and what

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -10,6 +9,7 @@
 #include <busbar/backend/plan.hpp>
 #include <busbar/core/api.hpp>
 #include <busbar/core/clock.hpp>
+#include <busbar/core/detail/chrono.hpp>
 #include <busbar/core/log.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/core/status_codes.hpp>

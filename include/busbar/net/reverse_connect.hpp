@@ -1,11 +1,11 @@
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <string>
 #include <vector>
 
 #include <busbar/core/clock.hpp>
+#include <busbar/core/detail/chrono.hpp>
 
 namespace busbar::net {
 

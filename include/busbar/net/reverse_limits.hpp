@@ -1,9 +1,9 @@
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 
 #include <busbar/core/clock.hpp>
+#include <busbar/core/detail/chrono.hpp>
 
 namespace busbar::net {
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -10,6 +9,7 @@
 #include <busbar/core/api.hpp>
 #include <busbar/core/clock.hpp>
 #include <busbar/core/date_time.hpp>
+#include <busbar/core/detail/chrono.hpp>
 #include <busbar/core/log.hpp>
 #include <busbar/core/problem.hpp>
 #include <busbar/core/result.hpp>

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -10,6 +9,7 @@
 #include <busbar/core/api.hpp>
 #include <busbar/core/clock.hpp>
 #include <busbar/core/data_value.hpp>
+#include <busbar/core/detail/chrono.hpp>
 #include <busbar/core/numeric_range.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/core/status_codes.hpp>

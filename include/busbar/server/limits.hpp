@@ -1,12 +1,12 @@
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 
 #include <busbar/binary/reader.hpp>
 #include <busbar/channel/channel_types.hpp>
 #include <busbar/core/api.hpp>
+#include <busbar/core/detail/chrono.hpp>
 #include <busbar/server/event_limits.hpp>
 #include <busbar/server/subscription_limits.hpp>
 

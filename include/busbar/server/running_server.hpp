@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -9,6 +8,7 @@
 
 #include <busbar/core/api.hpp>
 #include <busbar/core/clock.hpp>
+#include <busbar/core/detail/chrono.hpp>
 #include <busbar/core/function_ref.hpp>
 #include <busbar/server/server.hpp>
 #include <busbar/types/enumerations.hpp>

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -8,6 +7,7 @@
 
 #include <busbar/channel/channel_types.hpp>
 #include <busbar/core/api.hpp>
+#include <busbar/core/detail/chrono.hpp>
 #include <busbar/server/limits.hpp>
 
 namespace busbar::server {
