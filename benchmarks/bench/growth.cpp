@@ -299,8 +299,8 @@ Result<std::vector<Series>> measure_growth(const GrowthOptions& options)
     for (const auto measured :
          {sessions, items_together, items_alone, variables_alone, variables_together}) {
         auto series = measured(options);
-        // Some costs are those of pages that the system gives for the first time, or of other
-        // programs: only what is there each time is a step.
+        // Other programs disturb some costs: only what is there each time is a step. Pages that
+        // were given back meanwhile cost again in each series, as they do for users.
         for (int i = 1; series && i < repetitions; ++i) {
             const auto again = measured(options);
             if (!again) {

@@ -296,6 +296,11 @@ TEST_CASE_METHOD(PuppetFixture, "A Subscription whose transfer is never answered
     CHECK(requester.count<TransferSubscriptionsRequest>() == 0);
     CHECK(requester.count<DeleteSubscriptionsRequest>() == 1); // it may be this session's
     CHECK(requester.count<CreateSubscriptionRequest>() == 1);
+    // The pause after a failure is the first one, not one of ten failures.
+    static_cast<void>(requester.take<CreateSubscriptionRequest>());
+    refuse(status::Bad_TooManyOperations);
+    pass(2s);
+    CHECK(requester.count<CreateSubscriptionRequest>() == 1);
 }
 
 TEST_CASE_METHOD(PuppetFixture, "A transfer that found no memory is tried again", "[client]")

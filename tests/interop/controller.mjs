@@ -7,11 +7,12 @@ import { join } from "node:path";
 
 export const user = { userName: "operator", password: "a pass phrase" };
 
-/** A port that was free a moment ago: below those that systems give to clients, which could have taken it since. */
+/** A port that was free a moment ago: below those of test scripts and those that systems give to clients, either of which
+ * could have taken it since. */
 export function freePort() {
   return new Promise((resolve) => {
     const server = createServer();
-    const listen = () => server.listen(10_000 + Math.floor(Math.random() * 22_000), "127.0.0.1");
+    const listen = () => server.listen(10_000 + Math.floor(Math.random() * 10_000), "127.0.0.1");
     server.on("error", listen).on("listening", () => {
       const { port } = server.address();
       server.close(() => resolve(port));

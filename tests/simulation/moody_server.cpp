@@ -204,12 +204,8 @@ public:
         if (server_.is_deaf_) {
             return;
         }
-        if (server_.ignores_renewals_ || ignored_ != 0) {
-            received_.insert(received_.end(), in.begin(), in.end());
-            take_messages();
-        } else {
-            static_cast<void>(channel_.feed(in, server_.world_.now()));
-        }
+        received_.insert(received_.end(), in.begin(), in.end());
+        take_messages();
         update();
     }
     void link_lost() override
@@ -231,20 +227,21 @@ private:
     void take_messages()
     {
         std::size_t taken = 0;
-        while (received_.size() - taken >= sequence_offset + 4) {
+        while (received_.size() - taken >= header_size) {
             const std::span<std::byte> rest = std::span{received_}.subspan(taken);
-            const std::size_t size = number_at(rest, 4);
+            const std::size_t size = std::max<std::size_t>(number_at(rest, 4), header_size);
             if (rest.size() < size) {
                 break;
             }
             taken += size;
             const std::span<std::byte> message = rest.first(size);
-            if (message[0] == std::byte{'O'} && is_open_) {
+            if (message[0] == std::byte{'O'} && is_open_ &&
+                (server_.ignores_renewals_ || ignored_ != 0)) {
                 ++ignored_;
                 ++server_.ignored_renewals_;
                 continue;
             }
-            if (ignored_ != 0) {
+            if (ignored_ != 0 && size >= sequence_offset + 4) { // a MSG or CLO
                 const std::uint32_t number = number_at(message, sequence_offset) - ignored_;
                 for (std::size_t i = 0; i < 4; ++i) {
                     message[sequence_offset + i] = std::byte(number >> 8 * i);
@@ -298,6 +295,7 @@ private:
         due_alarm_.set(due_.empty() ? no_deadline : due_.front().time);
     }
 
+    static constexpr std::size_t header_size = 8;
     /// Of the sequence number in a message without security: after header, channel and token.
     static constexpr std::size_t sequence_offset = 16;
 

@@ -40,7 +40,8 @@ public:
     /// The Client keeps trying in later calls, unless it is closed.
     [[nodiscard]] Result<void> connect(Duration timeout = std::chrono::seconds{20});
     /// Sends `request` and waits for its response; also Bad_RequestInterrupted. Copies a request
-    /// only if it is const; handlers that are called meanwhile must not change it.
+    /// only if it is const. Another one has the connection's header for a moment: until the return
+    /// neither handlers nor other threads may use it.
     template <typename Response, typename Request>
     [[nodiscard]] Result<Response> call(Request&& request, client::RequestOptions options = {})
     {
@@ -107,7 +108,8 @@ private:
 
         friend void encode(binary::Writer& writer, const Lent& lent)
         {
-            RequestHeader own = std::exchange(lent.request->request_header, lent.request_header);
+            RequestHeader sent = lent.request_header; // may throw, before anything is changed
+            RequestHeader own = std::exchange(lent.request->request_header, std::move(sent));
             busbar::detail::Undo undo{[&] { lent.request->request_header = std::move(own); }};
             encode(writer, *lent.request);
         }

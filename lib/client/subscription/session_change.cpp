@@ -95,7 +95,7 @@ void SessionChange::transferred(const std::vector<SubscriptionHandle>& handles,
             transferred(*subscription, response->results[i]);
         }
     }
-    transfer(); // again, after the time of a request has passed
+    transfer(); // those that were not answered
 }
 
 void SessionChange::refused(WatchedSubscription& subscription, StatusCode reason)
@@ -107,6 +107,7 @@ void SessionChange::refused(WatchedSubscription& subscription, StatusCode reason
         }
         return;
     }
+    subscription.failures = 0; // those of creating it follow
     // A server that has none with this id may give the id to the next one.
     ends_.lost(subscription, reason, reason != status::Bad_SubscriptionIdInvalid);
 }

@@ -32,7 +32,7 @@ bool is_duration(const InitialValue& value)
 }
 
 /// Counts the units of UTF-16 of a text in UTF-8.
-std::size_t units_of(std::string_view text)
+std::size_t utf16_units_of(std::string_view text)
 {
     std::size_t units = 0;
     for (const char c : text) {
@@ -46,7 +46,7 @@ bool is_text_of(const InitialValue& value, const ResolvedType& type)
 {
     const auto* text = value.value.get_if<String>();
     return is_written_as(value, Notation::Text) && text != nullptr &&
-           (is_wide(type.elementary) ? units_of(text->view()) : text->size()) <=
+           (is_wide(type.elementary) ? utf16_units_of(text->view()) : text->size()) <=
                type.string_length &&
            !first_not_utf8(text->view());
 }

@@ -20,14 +20,14 @@ namespace {
 using backend::Device;
 using backend::DeviceState;
 
-TimePoint now()
+TimePoint present()
 {
     return std::chrono::time_point_cast<Duration>(std::chrono::steady_clock::now());
 }
 
 double milliseconds_since(TimePoint begin)
 {
-    return std::chrono::duration<double, std::milli>(now() - begin).count();
+    return std::chrono::duration<double, std::milli>(present() - begin).count();
 }
 
 /// A backend and what its PLC answered.
@@ -120,7 +120,7 @@ void look(Asked& asked)
         if (const auto place = asked.device.protocol().mode_place()) {
             addresses.push_back(*place);
         }
-        asked.begun = now();
+        asked.begun = present();
         if (const auto batch = asked.device.read(addresses, asked.begun)) {
             asked.batch = *batch;
         }
