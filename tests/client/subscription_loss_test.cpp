@@ -279,7 +279,7 @@ TEST_CASE_METHOD(PuppetFixture, "A transfer that is not answered is tried again"
     CHECK(heard.gaps.empty());
 }
 
-TEST_CASE_METHOD(PuppetFixture, "A Subscription whose transfer is never answered is made anew",
+TEST_CASE_METHOD(PuppetFixture, "A Subscription whose transfer is never answered is created again",
                  "[client]")
 {
     start();
