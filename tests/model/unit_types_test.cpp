@@ -1,7 +1,13 @@
 #include <catch2/catch.hpp>
 
+#include <string>
+#include <utility>
+
+#include <busbar/binary/codec.hpp>
 #include <busbar/model/address_space.hpp>
 #include <busbar/types/ids.hpp>
+#include <busbar/types/registry.hpp>
+#include <busbar/types/types.hpp>
 
 /// Types whose being there, at their place, is a conformance unit (Part 7, Base Information).
 namespace busbar::model::unit_types_test {
@@ -26,6 +32,29 @@ void check_places(std::initializer_list<PlacedType> rows)
         REQUIRE(space.supertype(type) != no_node);
         CHECK(space.node_id(space.supertype(type)).is(row.supertype));
     }
+}
+
+/// The fields of a structure in their order: "Low:11 Elements:583[]", by the number of the
+/// DataType.
+std::string fields_of(const AddressSpace& space, std::uint32_t structure)
+{
+    const binary::TypeRegistry types{binary::namespace0_types()};
+    const auto kept = space.attribute(space.find(structure), AttributeId::DataTypeDefinition);
+    REQUIRE(kept);
+    const auto bytes = binary::to_bytes(*kept);
+    REQUIRE(bytes);
+    const auto decoded = binary::from_bytes<Variant>(*bytes, &types);
+    REQUIRE(decoded);
+    const auto* const object = decoded->get_if<ExtensionObject>();
+    REQUIRE(object != nullptr);
+    const auto* const definition = object->get_if<StructureDefinition>();
+    REQUIRE(definition != nullptr);
+    std::string text;
+    for (const StructureField& field : definition->fields) {
+        text += (text.empty() ? "" : " ") + field.name.str() + ":" +
+                std::to_string(field.data_type.numeric()) + (field.value_rank == 1 ? "[]" : "");
+    }
+    return text;
 }
 
 } // namespace
@@ -124,6 +153,36 @@ TEST_CASE("Types of structures are at their places",
                   {id::ThreeDOrientation, id::Orientation},
                   {id::ThreeDVector, id::Vector},
                   {id::UABinaryFileDataType, id::DataTypeSchemaHeader}});
+    const AddressSpace space;
+    if (space.find(id::RationalNumber) == no_node) {
+        return;
+    }
+    const std::pair<std::uint32_t, const char*> rows[] = {
+        {id::Argument, "Name:12 DataType:17 ValueRank:6 ArrayDimensions:7[] Description:21"},
+        {id::AxisInformation,
+         "EngineeringUnits:887 EURange:884 Title:21 AxisScaleType:12077 AxisSteps:11[]"},
+        {id::ComplexNumberType, "Real:10 Imaginary:10"},
+        {id::ContentFilter, "Elements:583[]"},
+        {id::DoubleComplexNumberType, "Real:11 Imaginary:11"},
+        {id::EUInformation, "NamespaceUri:12 UnitId:6 DisplayName:21 Description:21"},
+        {id::KeyValuePair, "Key:20 Value:24"},
+        {id::OptionSet, "Value:15 ValidBits:15"},
+        {id::PortableNodeId, "NamespaceUri:12 Identifier:17"},
+        {id::PortableQualifiedName, "NamespaceUri:12 Name:12"},
+        {id::Range, "Low:11 High:11"},
+        {id::RationalNumber, "Numerator:6 Denominator:7"},
+        {id::ReferenceDescriptionDataType,
+         "SourceNode:17 ReferenceType:17 IsForward:1 TargetNode:18"},
+        {id::StatusResult, "StatusCode:19 DiagnosticInfo:25"},
+        {id::ThreeDVector, "X:11 Y:11 Z:11"},
+        {id::UABinaryFileDataType,
+         "Namespaces:12[] StructureDataTypes:15487[] EnumDataTypes:15488[] SimpleDataTypes:15005[] "
+         "SchemaLocation:12 FileHeader:14533[] Body:24"},
+    };
+    for (const auto& [structure, fields] : rows) {
+        INFO("i=" << structure);
+        CHECK(fields_of(space, structure) == fields);
+    }
 }
 
 TEST_CASE("Folders of types, base types and ModellingRules are where clients look for them",
@@ -147,13 +206,32 @@ TEST_CASE("Folders of types, base types and ModellingRules are where clients loo
         REQUIRE(space.find(type) != no_node);
         CHECK(space.supertype(space.find(type)) == no_node);
     }
-    for (const std::uint32_t object :
-         {id::Locations, id::ModellingRule_MandatoryPlaceholder,
-          id::ModellingRule_OptionalPlaceholder, id::EventTypesFolder}) {
-        INFO("i=" << object);
-        CHECK((space.find(object) != no_node || !is_full));
-    }
+    check_places({{id::Boolean, id::BaseDataType},
+                  {id::Byte, id::UInteger},
+                  {id::Double, id::Number},
+                  {id::Enumeration, id::BaseDataType},
+                  {id::Float, id::Number},
+                  {id::Int32, id::Integer},
+                  {id::Integer, id::Number},
+                  {id::LocalizedText, id::BaseDataType},
+                  {id::Number, id::BaseDataType},
+                  {id::String, id::BaseDataType},
+                  {id::Structure, id::BaseDataType},
+                  {id::UInteger, id::Number},
+                  {id::BaseDataVariableType, id::BaseVariableType},
+                  {id::FolderType, id::BaseObjectType},
+                  {id::PropertyType, id::BaseVariableType}});
     if (is_full) {
+        const std::pair<std::uint32_t, std::uint32_t> objects[] = {
+            {id::EventTypesFolder, id::FolderType},
+            {id::Locations, id::FolderType},
+            {id::ModellingRule_MandatoryPlaceholder, id::ModellingRuleType},
+            {id::ModellingRule_OptionalPlaceholder, id::ModellingRuleType}};
+        for (const auto& [object, type] : objects) {
+            INFO("i=" << object);
+            REQUIRE(space.find(object) != no_node);
+            CHECK(space.node_id(space.type_definition(space.find(object))).is(type));
+        }
         const NodeIndex server = space.find(id::Server);
         CHECK(space.node_id(space.type_definition(server)).is(id::ServerType));
         CHECK(space.node_id(space.supertype(space.find(id::ServerType))).is(id::BaseObjectType));

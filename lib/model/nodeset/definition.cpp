@@ -78,8 +78,10 @@ void encode_enumeration(binary::Writer& writer, const Definition& definition)
 ExtensionObject definition_of(const DataTypeTable& types, const DataType& type)
 {
     const Kind kind = types.kind(type.id);
-    const bool is_structure = (kind == Kind::Structure || kind == Kind::Union) &&
-                              !(type.definition && type.definition->is_option_set);
+    // OptionSet itself is a structure; what derives from it has names of bits (Part 3, 5.8.3).
+    const bool has_fields = kind == Kind::Structure || kind == Kind::Union ||
+                            type.id.is(busbar::detail::basic_id::OptionSet);
+    const bool is_structure = has_fields && !(type.definition && type.definition->is_option_set);
     if (!type.definition && !(is_structure && !type.is_abstract)) {
         return {};
     }
