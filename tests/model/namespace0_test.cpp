@@ -48,6 +48,11 @@ TEST_CASE("Every constant node is whole", "[unit:Address Space Base][unit:Base I
         }
         if (node_class == NodeClass::Object || node_class == NodeClass::Variable) {
             REQUIRE(space.type_definition(node) != no_node);
+        } else if (node_class != NodeClass::Method && node_class != NodeClass::View) {
+            const bool is_root = node_id.is(id::BaseObjectType) ||
+                                 node_id.is(id::BaseVariableType) || node_id.is(id::BaseDataType) ||
+                                 node_id.is(id::References);
+            REQUIRE(is_root == (space.supertype(node) == no_node));
         }
         ReferenceCursor cursor = space.references(node);
         while (const auto reference = cursor.next()) {
