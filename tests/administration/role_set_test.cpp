@@ -1,5 +1,8 @@
 #include <busbar/administration/administration.hpp>
 
+#include <utility>
+#include <vector>
+
 #include <catch2/catch.hpp>
 
 #include <busbar/administration/role_set_nodes/nodes.hpp>
@@ -79,6 +82,31 @@ struct Fixture : Parts, harness::Bench {
     {
         return Variant{ExtensionObject{rule}};
     }
+    /// Null if there is none.
+    [[nodiscard]] NodeId child(std::uint32_t parent, std::string_view name)
+    {
+        const model::AddressSpace& space = server().address_space();
+        NodeId found;
+        static_cast<void>(space.for_each_child(space.find(parent), space.find(id::Aggregates), true,
+                                               QualifiedName{0, String{name}},
+                                               [&](model::NodeIndex node) {
+                                                   found = space.node_id(node);
+                                                   return false;
+                                               }));
+        return found;
+    }
+    [[nodiscard]] std::vector<IdentityCriteriaType> criteria_of(BenchClient& client,
+                                                                std::uint32_t role)
+    {
+        std::vector<IdentityCriteriaType> criteria;
+        const DataValue listed = client.read(child(role, "Identities"));
+        const auto* const objects = listed.value.array_if<ExtensionObject>();
+        REQUIRE(objects != nullptr);
+        for (const ExtensionObject& object : *objects) {
+            criteria.push_back(object.get_if<IdentityMappingRuleType>()->criteria_type);
+        }
+        return criteria;
+    }
 };
 
 } // namespace
@@ -106,6 +134,55 @@ TEST_CASE_METHOD(Fixture, "role set: a rule gives a role at once, and is told",
     CHECK(pat.read(NodeId{0, identities}).status == status::Good);
     CHECK(call_operator(admin, remove_identity, structure(user_rule("pat"))) == "Bad_NotFound");
     CHECK(log.text.find("has no such rule") != std::string::npos);
+}
+
+TEST_CASE_METHOD(Fixture, "role set: the well-known roles have their nodes (Part 18, 4.3)",
+                 "[unit:Base Info Security Role Capabilities]"
+                 "[unit:Security Role TrustedApplication]"
+                 "[unit:Security Role Well Known Group 2]"
+                 "[unit:Security Role Well Known Group 3]")
+{
+    using Criteria = IdentityCriteriaType;
+    using All = std::vector<Criteria>;
+    auto& admin = log_in("admin");
+    const model::AddressSpace& space = server().address_space();
+    const auto type_of = [&](std::uint32_t node) {
+        return space.node_id(space.type_definition(space.find(node)));
+    };
+    constexpr std::uint32_t set = id::Server_ServerCapabilities_RoleSet;
+    CHECK(child(id::Server_ServerCapabilities, "RoleSet") == NodeId{0, set});
+    CHECK(type_of(set) == NodeId{0, id::RoleSetType});
+    const std::pair<const char*, std::uint32_t> fixed[] = {
+        {"Anonymous", id::WellKnownRole_Anonymous},
+        {"AuthenticatedUser", id::WellKnownRole_AuthenticatedUser},
+        {"TrustedApplication", id::WellKnownRole_TrustedApplication}};
+    for (const auto& [role, node] : fixed) {
+        INFO(role);
+        CHECK(child(set, role) == NodeId{0, node});
+        CHECK(type_of(node) == NodeId{0, id::RoleType});
+        CHECK(child(node, "AddIdentity").is_null());
+    }
+    CHECK(criteria_of(admin, id::WellKnownRole_Anonymous) ==
+          All{Criteria::Anonymous, Criteria::AuthenticatedUser});
+    CHECK(criteria_of(admin, id::WellKnownRole_AuthenticatedUser) ==
+          All{Criteria::AuthenticatedUser});
+    CHECK(criteria_of(admin, id::WellKnownRole_TrustedApplication) ==
+          All{Criteria::TrustedApplication});
+    const std::pair<const char*, std::uint32_t> open[] = {
+        {"Observer", id::WellKnownRole_Observer},
+        {"Operator", id::WellKnownRole_Operator},
+        {"Engineer", id::WellKnownRole_Engineer},
+        {"Supervisor", id::WellKnownRole_Supervisor}};
+    for (const auto& [role, node] : open) {
+        INFO(role);
+        CHECK(child(set, role) == NodeId{0, node});
+        CHECK(type_of(node) == NodeId{0, id::RoleType});
+        CHECK(criteria_of(admin, node).empty());
+        CHECK(
+            call(admin, NodeId{0, node}, child(node, "AddIdentity"), {structure(user_rule("pat"))})
+                .status_code == status::Good);
+        CHECK(criteria_of(admin, node) == All{Criteria::UserName});
+    }
 }
 
 TEST_CASE_METHOD(Fixture, "role set: for SecurityAdmin over an encrypted channel only")
@@ -155,6 +232,11 @@ TEST_CASE_METHOD(Fixture, "role set: applications, and who is excluded",
     endpoint.security_mode = MessageSecurityMode::Sign;
     CHECK(call_operator(admin, add_endpoint, Variant{ExtensionObject{endpoint}}) == "Good");
     CHECK(admin.read(NodeId{0, endpoints}).value.array_if<ExtensionObject>()->size() == 1);
+    constexpr std::uint32_t endpoints_exclude = 15423;
+    CHECK(admin.read(NodeId{0, endpoints_exclude}).value == Variant{true});
+    CHECK(admin.write(NodeId{0, endpoints_exclude}, Variant{false}) == status::Good);
+    CHECK(admin.read(NodeId{0, endpoints_exclude}).value == Variant{false});
+    CHECK_FALSE(roles.find("Operator")->endpoints_exclude);
     CHECK(admin.write(NodeId{0, identities}, Variant{Array<ExtensionObject>{}}) ==
           status::Bad_NotWritable);
 }

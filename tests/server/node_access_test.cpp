@@ -347,7 +347,8 @@ TEST_CASE_METHOD(AccessFixture, "RolePermissions are read by whom they let, one'
     }
 }
 
-TEST_CASE_METHOD(AccessFixture, "A namespace has RolePermissions for nodes without their own")
+TEST_CASE_METHOD(AccessFixture, "A namespace has RolePermissions for nodes without their own",
+                 "[unit:Security Role Server DefaultRolePermissions]")
 {
     users.everybody.roles = {"Operator"};
     TestClient operator_client = log_in();
