@@ -112,8 +112,8 @@ Checked<void> check_body(const OpenSecureChannelRequest& request,
              "Choose another mode in the peer's settings, or add an endpoint with it"});
     }
     // Part 6, 6.7.4: it must have the policy's length, and not be used twice.
-    if (!policy.is_none() && (request.client_nonce.size() != policy.nonce_size ||
-                              request.client_nonce == context.last_nonce)) {
+    const bool has_length = request.client_nonce.size() == policy.nonce_size;
+    if (!policy.is_none() && (!has_length || request.client_nonce == context.last_nonce)) {
         return refuse({status::Bad_NonceInvalid,
                        "client nonce",
                        std::to_string(request.client_nonce.size()) + " bytes where " +

@@ -202,7 +202,7 @@ TEST_CASE("a signature beyond the modulus is none", "[crypto][asymmetric]")
 
 TEST_CASE("policy None and keys out of the policy's range do nothing",
           "[crypto][asymmetric][unit:AsymmetricEncryptionAlgorithm_None]"
-          "[unit:AsymmetricSignatureAlgorithm_None]")
+          "[unit:AsymmetricSignatureAlgorithm_None][unit:Basic256Sha256_Limits]")
 {
     const auto data = random_bytes(20);
     const SecurityPolicy& none = crypto::policy_none();

@@ -320,7 +320,8 @@ TEST_CASE_METHOD(DiagnosticsFixture, "security diagnostics are for SecurityAdmin
     CHECK(array<SessionDiagnosticsDataType>(client, sessions_array).size() == 2);
 }
 
-TEST_CASE_METHOD(DiagnosticsFixture, "a session is its creator's, whoever has it later")
+TEST_CASE_METHOD(DiagnosticsFixture, "a session is its creator's, whoever has it later",
+                 "[unit:Session Change User]")
 {
     TestClient client = log_in_as("operator");
     REQUIRE(client.activate(client.user("admin", "admin-secret")) == status::Good);

@@ -329,7 +329,8 @@ TEST_CASE_METHOD(EventFixture, "the end of the server is an event, of the time w
     CHECK(events[0].event_fields[1] == Variant{ServerState::Shutdown});
     const auto* const time = events[0].event_fields[2].get_if<ExtensionObject>();
     REQUIRE(time != nullptr);
-    CHECK(time->get_if<TimeZoneDataType>() != nullptr);
+    REQUIRE(time->get_if<TimeZoneDataType>() != nullptr);
+    CHECK(*time->get_if<TimeZoneDataType>() == TimeZoneDataType{}); // the wall clock's
 }
 
 TEST_CASE_METHOD(EventFixture, "events do not wait for data that never ends")

@@ -116,7 +116,11 @@ TEST_CASE_METHOD(ItemFixture, "a full queue discards the oldest, or replaces the
 TEST_CASE_METHOD(ItemFixture, "a queue of one has the newest value and no overflow bit",
                  "[unit:Monitor QueueSize_1]")
 {
-    monitor_level([](auto& item) { item.requested_parameters.queue_size = 0; });
+    const bool discards_oldest = GENERATE(true, false);
+    monitor_level([&](auto& item) {
+        item.requested_parameters.queue_size = 0;
+        item.requested_parameters.discard_oldest = discards_oldest;
+    });
     CHECK(set_publishing(client, id, false) == status::Good);
     CHECK(reported({2, 3, 4}).empty());
     CHECK(set_publishing(client, id, true) == status::Good);
