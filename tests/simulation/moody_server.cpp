@@ -364,8 +364,7 @@ void MoodyServer::forget_sessions()
 
 void MoodyServer::forget_subscriptions()
 {
-    subscriptions_.clear();
-    messages_.clear();
+    subscriptions_.clear(); // when their last messages were sent is still asked for
 }
 
 std::string MoodyServer::ailments() const
