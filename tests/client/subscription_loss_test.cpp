@@ -472,6 +472,23 @@ TEST_CASE_METHOD(PuppetFixture, "A Subscription that is published no more is mad
     CHECK(heard.gaps.size() == (has_heard ? 1 : 0));
 }
 
+TEST_CASE_METHOD(PuppetFixture,
+                 "A silent Subscription of a server that only refuses is created again", "[client]")
+{
+    start();
+    publish(message(1)); // keep-alives come every 10 s
+    for (int silences = 1; silences <= 10; ++silences) {
+        CHECK(requester.count<CreateSubscriptionRequest>() == 0);
+        pass(16s);
+        while (requester.count<RepublishRequest>() != 0) {
+            static_cast<void>(requester.take<RepublishRequest>());
+            refuse(status::Bad_TooManyOperations); // which says nothing of the message
+            pass(1s);
+        }
+    }
+    CHECK(requester.count<CreateSubscriptionRequest>() == 1);
+}
+
 TEST_CASE_METHOD(PuppetFixture, "A Subscription that publishes now and then is kept", "[client]")
 {
     start();

@@ -105,6 +105,7 @@ void Reception::republished(WatchedSubscription& subscription, std::uint32_t num
 void Reception::not_republished(WatchedSubscription& subscription, bool is_sent, StatusCode status)
 {
     subscription.messages.is_server_alive |= is_final(status);
+    subscription.messages.has_sign |= status != status::Bad_Timeout;
     std::uint32_t& failures = subscription.messages.republish_failures;
     if (!is_final(status) && ++failures < max_republishes) {
         subscription.messages.republish_at = requests_.now() + republish_pause;
