@@ -58,7 +58,7 @@ private:
         return std::uint64_t{1} << (index % word_bits);
     }
 
-    /// Has bits up to the last node with an entry.
+    /// The bits of nodes, up to the last one with an entry.
     std::vector<std::uint64_t> has_one_;
     std::unordered_map<std::uint32_t, std::shared_ptr<const NodeAccess>> entries_;
 };

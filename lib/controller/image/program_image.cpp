@@ -1,16 +1,122 @@
 #include <busbar/controller/program_image.hpp>
 
+#include <unordered_map>
+
+#include <busbar/core/text.hpp>
+#include <busbar/server/image_layout.hpp>
+
 #include "controller/program/initial_checker.hpp"
 #include "initial_values.hpp"
-#include "program_layout.hpp"
 
 namespace busbar::controller {
 
 namespace {
 
+/// Words for the refusals of ImageLayout and ImageStructure.
+std::string text_of_refusal(StatusCode status)
+{
+    if (status == status::Bad_OutOfMemory) {
+        return "takes more bytes than a process image can have";
+    }
+    return "has more dimensions, members or levels than a process image can have";
+}
+
+std::string printable_name(const std::string& name)
+{
+    constexpr std::size_t enough = 60;
+    return printable(name.substr(0, enough));
+}
+
+/// Builds what an image needs for a program's variables. Makes each structure once.
+class ProgramLayout {
+public:
+    ProgramLayout(const ProgramTypes& types, ProgramImage::EncodingOf encoding_of,
+                  ElementaryTypes elementary)
+        : types_{&types}, encoding_of_{encoding_of}, elementary_{elementary}
+    {
+    }
+
+    /// The text of the Problem tells why the variable cannot be in an image.
+    [[nodiscard]] Configured<server::ImageVariable> variable(const ResolvedType& type);
+
+private:
+    using Structure = std::shared_ptr<const server::ImageStructure>;
+
+    [[nodiscard]] Configured<Structure> structure(const DerivedType& type);
+
+    const ProgramTypes* types_;
+    ProgramImage::EncodingOf encoding_of_;
+    ElementaryTypes elementary_;
+    std::unordered_map<const DerivedType*, Structure> structures_;
+};
+
+Configured<server::ImageVariable> ProgramLayout::variable(const ResolvedType& type)
+{
+    server::ImageVariable made;
+    for (const Bounds& bounds : type.dimensions) {
+        made.dimensions.push_back(static_cast<std::uint32_t>(bounds.upper - bounds.lower + 1));
+    }
+    switch (type.kind) {
+    case ResolvedType::Kind::Union:
+        return misconfigured("", "is a union, which has no place in a process image");
+    case ResolvedType::Kind::Structure: {
+        auto inner = structure(*type.type);
+        if (!inner) {
+            return Unexpected<Problem>{std::move(inner.error())};
+        }
+        made.type = BuiltInType::ExtensionObject;
+        made.structure = std::move(*inner);
+        break;
+    }
+    default:
+        made.type = built_in_type_of(type.elementary, elementary_);
+        made.capacity = type.text_bytes();
+        made.max_units = is_wide(type.elementary) ? type.string_length : 0;
+        if (type.subrange) {
+            made.range = server::ImageRange{type.subrange->lower, type.subrange->upper};
+        }
+    }
+    return made;
+}
+
+Configured<ProgramLayout::Structure> ProgramLayout::structure(const DerivedType& type)
+{
+    if (const auto found = structures_.find(&type); found != structures_.end()) {
+        return found->second;
+    }
+    std::vector<server::ImageVariable> members;
+    for (const ResolvedType& member : types_->members(type)) {
+        auto made = variable(member);
+        if (!made) {
+            Problem problem = std::move(made.error());
+            problem.where = "." + printable_name(type.members[members.size()].name) + problem.where;
+            return Unexpected<Problem>{std::move(problem)};
+        }
+        members.push_back(std::move(*made));
+    }
+    auto made = server::ImageStructure::create(encoding_of_(type), members);
+    if (!made) {
+        return misconfigured("", text_of_refusal(made.error()));
+    }
+    return structures_.emplace(&type, std::move(*made)).first->second;
+}
+
+/// Names a variable as problems do: "variables[7] (Speed)", with line and column if they are known.
+std::string place_of_variable(const Program& program, std::size_t index)
+{
+    const GlobalVariable& variable = program.variables[index];
+    std::string where;
+    if (variable.place.line != 0) {
+        where = std::to_string(variable.place.line) + ":" + std::to_string(variable.place.column) +
+                ": ";
+    }
+    return where + "variables[" + std::to_string(index) + "] (" + printable_name(variable.name) +
+           ")";
+}
+
 Unexpected<Problem> problem_of_variable(const Program& program, std::size_t index, Problem problem)
 {
-    problem.where = detail::place_of_variable(program, index) + problem.where;
+    problem.where = place_of_variable(program, index) + problem.where;
     return Unexpected<Problem>{std::move(problem)};
 }
 
@@ -45,7 +151,7 @@ Configured<server::ImageLayout> lay_out(const ProgramTypes& types,
                                         const ProgramImageOptions& options)
 {
     const Program& program = types.program();
-    detail::ProgramLayout made{types, encoding_of, options.elementary};
+    ProgramLayout made{types, encoding_of, options.elementary};
     server::ImageLayout layout;
     for (const std::size_t index : variables) {
         auto variable = made.variable(types.resolve(program.variables[index].type));
