@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <stdexcept>
+
 #include <catch2/catch.hpp>
 
 #include "subscription_fixture.hpp"
@@ -38,10 +41,14 @@ public:
     [[nodiscard]] std::uint8_t user_access_level(const server::UserIdentity& user, const NodeId&,
                                                  std::uint8_t access_level) const override
     {
+        if (is_broken) {
+            throw std::runtime_error{"no directory"};
+        }
         return user.name == reader ? access_level : std::uint8_t{0};
     }
 
     std::string reader{"operator"};
+    bool is_broken{false};
 };
 
 struct Rights {
@@ -85,6 +92,24 @@ struct RightsFixture : Rights, SubscriptionParts, ServerFixture {
         REQUIRE(client->activate(client->user("any", "any-secret")) == status::Good);
     }
     void set(int value) { memory.set(handle, Variant{value}); }
+    /// Adds items to the Subscription until the server has so many.
+    void fill(std::uint32_t subscription, std::size_t items)
+    {
+        while (server.monitored_item_count() < items) {
+            auto item = SubscriptionFixture::item_request(level);
+            item.requested_parameters.queue_size = 10;
+            REQUIRE(SubscriptionFixture::monitor(*client, subscription, item).status_code ==
+                    status::Good);
+        }
+    }
+    /// Logs the user in once more, perhaps with other roles.
+    TestClient log_in_again()
+    {
+        auto other = connect();
+        REQUIRE(other.create_session());
+        REQUIRE(other.activate(other.user("any", "any-secret")) == status::Good);
+        return other;
+    }
     /// What comes in the next cycle.
     std::vector<DataValue> next()
     {
@@ -136,11 +161,7 @@ TEST_CASE_METHOD(RightsFixture, "an item of a user whose token has expired is no
 TEST_CASE_METHOD(RightsFixture, "many items get the rights of another user before they send again")
 {
     constexpr std::size_t items = 1'000;
-    while (server.monitored_item_count() < items) {
-        auto item = SubscriptionFixture::item_request(level);
-        item.requested_parameters.queue_size = 10;
-        REQUIRE(SubscriptionFixture::monitor(*client, id, item).status_code == status::Good);
-    }
+    fill(id, items);
     CHECK(next() == Values(items, DataValue{Variant{1}}));
     set(2);
     advance(60ms); // sampled for the first user
@@ -173,6 +194,91 @@ TEST_CASE_METHOD(RightsFixture, "many items get the rights of another user befor
         }
         CHECK(server.monitored_item_count() == 0);
     }
+}
+
+TEST_CASE_METHOD(RightsFixture, "a late Subscription sends its data when its items are reviewed")
+{
+    constexpr std::size_t items = 300;
+    fill(id, items);
+    CHECK(next() == Values(items, DataValue{Variant{1}}));
+    set(2);
+    advance(cycle); // it is late from now on
+    store.next.roles = {"Observer"};
+    TestClient other = log_in_again();
+    TestClient* asking = &*client;
+    std::uint32_t publish = 0;
+    SECTION("for another user")
+    {
+        activate();
+        publish = SubscriptionFixture::publish(*asking);
+    }
+    SECTION("for another session")
+    {
+        asking = &other;
+        CHECK(other.call<CreateSubscriptionResponse>(
+            SubscriptionFixture::subscription_request(10'000)));
+        publish = SubscriptionFixture::publish(other);
+        CHECK(SubscriptionFixture::transfer(other, id, true).status_code == status::Good);
+    }
+    CHECK(SubscriptionFixture::status_of(*asking, publish) == status::Bad_WouldBlock);
+    while (server.next_deadline() <= now) {
+        server.handle_deadline(now);
+    }
+    asking->run();
+    const auto response = SubscriptionFixture::take(*asking, publish);
+    REQUIRE(response);
+    CHECK(response->subscription_id == id);
+    const auto values = SubscriptionFixture::data(response->notification_message);
+    CHECK(values.size() == items);
+    CHECK(std::all_of(values.begin(), values.end(),
+                      [](const auto& one) { return one.value == DataValue{Variant{2}}; }));
+}
+
+TEST_CASE_METHOD(RightsFixture, "the items of Subscriptions that move cost turns")
+{
+    constexpr std::size_t subscriptions = 20;
+    constexpr std::size_t items = 20;
+    TransferSubscriptionsRequest request;
+    request.send_initial_values = true;
+    request.subscription_ids = {id};
+    while (request.subscription_ids.size() < subscriptions) {
+        request.subscription_ids.push_back(
+            client->call<CreateSubscriptionResponse>(SubscriptionFixture::subscription_request())
+                .value()
+                .subscription_id);
+    }
+    for (std::size_t i = 0; i < subscriptions; ++i) {
+        fill(request.subscription_ids[i], (i + 1) * items);
+    }
+    store.next.roles = {"Observer"};
+    TestClient other = log_in_again();
+    const auto sent = other.send(request);
+    std::size_t turns = 1;
+    for (; other.connection.next_deadline() <= now; ++turns) {
+        other.connection.handle_deadline(now);
+    }
+    CHECK(turns >= 10);
+    const auto response = other.take<TransferSubscriptionsResponse>(sent);
+    REQUIRE(response);
+    CHECK(response->results.size() == subscriptions);
+    CHECK(std::all_of(response->results.begin(), response->results.end(),
+                      [](const auto& one) { return one.status_code == status::Good; }));
+}
+
+TEST_CASE_METHOD(RightsFixture, "the record of a transfer that ends in a fault has its status")
+{
+    store.next.roles = {"Observer"};
+    TestClient other = log_in_again();
+    log.keeps_records = true;
+    access.is_broken = true;
+    TransferSubscriptionsRequest request;
+    request.subscription_ids = {id};
+    CHECK(other.status_of<TransferSubscriptionsResponse>(request) == status::Bad_InternalError);
+    const auto record = std::find_if(log.records.begin(), log.records.end(), [](const auto& line) {
+        return line.find("SubscriptionsTransferred") != std::string::npos;
+    });
+    REQUIRE(record != log.records.end());
+    CHECK(record->find("Bad_InternalError") != std::string::npos);
 }
 
 TEST_CASE_METHOD(RightsFixture, "a user who has expired may do what everybody may in that store")

@@ -144,7 +144,7 @@ void Subscription::perform(SubscriptionAction action, const SubscriptionRow& row
         more_notifications_ = false;
         break;
     case A::SetSession:
-        set_session(*input.session, input.now);
+        set_session(*input.session);
         break;
     case A::IssueStatusChangeNotification:
         issue_status_change(row.event == SubscriptionEvent::TransferSubscriptions
@@ -238,8 +238,10 @@ std::uint32_t Subscription::next_sequence_number() const
 
 bool Subscription::wants_publish_request() const
 {
-    return state_ == State::Late || (state_ == State::Normal && publishing_enabled_ &&
-                                     more_notifications_ && notifications_available());
+    // A late one waits for its data: ItemReviews serves it.
+    return !is_in_review() &&
+           (state_ == State::Late || (state_ == State::Normal && publishing_enabled_ &&
+                                      more_notifications_ && notifications_available()));
 }
 
 /// Part 4, 5.14.1.4: continues while there are Notifications and requests.
@@ -329,7 +331,7 @@ void Subscription::issue_status_change(StatusCode status)
     }
 }
 
-void Subscription::set_session(Session& session, TimePoint now)
+void Subscription::set_session(Session& session)
 {
     const UserIdentity before = user();
     PublishPart& part = PublishPart::of(session);
@@ -348,7 +350,6 @@ void Subscription::set_session(Session& session, TimePoint now)
     }
     if (!(before == session.user)) {
         note_user_change();
-        all_.reviews().begin(*this, now);
     }
 }
 

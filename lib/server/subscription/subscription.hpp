@@ -116,10 +116,13 @@ public:
     /// It is deleted: changes of its items are not reported any more.
     void end();
     /// The Subscription has the rights of another user from now on. Its items must be reviewed.
-    void note_user_change();
-    /// Looks at up to `most` items that must be reviewed, and returns their number. See
-    /// ItemReviews.
-    std::size_t review(TimePoint now, std::size_t most);
+    void note_user_change() noexcept;
+    /// The last value of each data item that reports and has an empty queue is to be queued, before
+    /// anything else is published. Its items must be reviewed.
+    void note_resend() noexcept;
+    /// Looks at up to `room` items, more than 0, that must be reviewed, and takes their number from
+    /// `room`. See ItemReviews.
+    void review(TimePoint now, std::size_t& room);
     [[nodiscard]] bool is_in_review() const { return review_.is_pending; }
     /// Any service that names the Subscription proves that its client is alive.
     void reset_lifetime_counter() { lifetime_counter_ = parameters_.lifetime_count; }
@@ -158,9 +161,6 @@ public:
     std::size_t remove_items(std::size_t most) noexcept;
     /// In ascending order.
     [[nodiscard]] std::vector<std::uint32_t> item_ids() const;
-    /// Queues the last value of each data item that reports and has an empty queue; of many items
-    /// by and by, before anything else is published.
-    void resend_data(TimePoint now);
     /// See ValueItem::announce_change. Returns false if there was no memory to look an item up
     /// again.
     bool announce_change(const std::unordered_set<NodeId>& variables, std::uint32_t status_bits);
@@ -171,6 +171,8 @@ public:
     [[nodiscard]] MemoryAccount& memory() { return memory_; }
 
 private:
+    friend class ItemReviews;
+
     [[nodiscard]] SubscriptionVariables variables(const Input& input) const;
     [[nodiscard]] bool notifications_available() const
     {
@@ -185,11 +187,11 @@ private:
     void return_notifications();
     void return_keep_alive();
     void issue_status_change(StatusCode status);
-    void set_session(Session& session, TimePoint now);
+    void set_session(Session& session);
     [[nodiscard]] const SubscriptionOwner& kept_owner() const;
     [[nodiscard]] ItemContext context(TimePoint now) { return {all_, *this, now}; }
 
-    /// What the items from `next_id` on are to be told.
+    /// The items from `next_id` on have not been told this yet.
     struct Review {
         bool is_pending{false};
         bool has_other_user{false};
@@ -223,6 +225,10 @@ private:
     SubscriptionCounters counters_;
     std::size_t disabled_item_count_{0};
     Review review_;
+    /// Neighbours in the list of ItemReviews, which it is part of if is_listed_.
+    Subscription* previous_listed_{nullptr};
+    Subscription* next_listed_{nullptr};
+    bool is_listed_{false};
     TimePoint next_publishing_{no_deadline};
     std::uint64_t last_served_{0};
     MemoryAccount memory_;

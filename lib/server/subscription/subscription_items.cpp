@@ -11,17 +11,26 @@
 
 namespace busbar::server::detail {
 
-void Subscription::note_user_change()
+void Subscription::note_user_change() noexcept
 {
     review_ = {true, true, review_.resends, 0};
+    all_.reviews().add(*this);
 }
 
-std::size_t Subscription::review(TimePoint now, std::size_t most)
+void Subscription::note_resend() noexcept
+{
+    review_ = {true, review_.has_other_user, true, 0};
+    all_.reviews().add(*this);
+}
+
+void Subscription::review(TimePoint now, std::size_t& room)
 {
     if (!review_.is_pending) {
-        return 0;
+        return;
     }
+    const std::size_t most = room;
     const std::size_t count = items_.for_some(review_.next_id, most, [&](MonitoredItem& item) {
+        --room; // also for one that throws
         if (review_.has_other_user) {
             item.user_changed(context(now));
         }
@@ -32,7 +41,6 @@ std::size_t Subscription::review(TimePoint now, std::size_t most)
     if (count < most) {
         review_ = {};
     }
-    return count;
 }
 
 /// Items of an ended Subscription count only for the server.
@@ -76,12 +84,6 @@ std::vector<std::uint32_t> Subscription::item_ids() const
     ids.reserve(items_.size());
     items_.for_each([&](const MonitoredItem& item) { ids.push_back(item.id()); });
     return ids;
-}
-
-void Subscription::resend_data(TimePoint now)
-{
-    review_ = {true, review_.has_other_user, true, 0};
-    all_.reviews().begin(*this, now);
 }
 
 bool Subscription::announce_change(const std::unordered_set<NodeId>& variables,

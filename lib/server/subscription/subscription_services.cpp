@@ -194,7 +194,8 @@ StatusCode resend_data(SubscriptionTable& all, const Session& session,
         return subscription.error();
     }
     (*subscription)->reset_lifetime_counter();
-    (*subscription)->resend_data(now);
+    (*subscription)->note_resend();
+    all.reviews().begin(**subscription, now);
     return status::Good;
 }
 

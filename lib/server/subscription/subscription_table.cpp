@@ -30,7 +30,8 @@ std::uint32_t random_id(crypto::Random& random)
 SubscriptionTable::SubscriptionTable(const SubscriptionNeeds& needs)
     : needs_{needs}, memory_{needs.limits.subscriptions.max_memory, nullptr},
       sampler_{std::make_unique<Sampler>(needs, timers_, memory_)},
-      last_id_{random_id(*needs.environment.random)}, ended_{timers_}, reviews_{timers_}
+      last_id_{random_id(*needs.environment.random)}, ended_{timers_}, reviews_{*sampler_,
+                                                                                needs.log}
 {
 }
 
@@ -160,27 +161,34 @@ void SubscriptionTable::user_changed(Session& session, TimePoint now)
     if (session.publishing == nullptr) {
         return;
     }
-    // An item that cannot be notified is looked up again: nothing is sampled with the rights of
-    // another user.
-    busbar::detail::Undo undo{[&] { sampler_->look_up_again(); }};
-    std::size_t room = ItemReviews::items_at_once;
-    for (Subscription* subscription : PublishPart::of(session).subscriptions()) {
-        subscription->update_share();
+    const auto& own = PublishPart::of(session).subscriptions();
+    // First, as it cannot fail: none publishes with the rights of another user.
+    for (Subscription* subscription : own) {
         subscription->note_user_change();
+    }
+    std::size_t room = ItemReviews::items_at_once;
+    for (Subscription* subscription : own) {
+        subscription->update_share();
         room -= reviews_.begin(*subscription, now, room);
     }
-    undo.keep();
 }
 
 void SubscriptionTable::access_changed(TimePoint now)
 {
-    busbar::detail::Undo undo{[&] { sampler_->look_up_again(); }}; // as above
-    std::size_t room = ItemReviews::items_at_once;
     for (const auto& [id, subscription] : subscriptions_) {
         subscription->note_user_change();
+    }
+    std::size_t room = ItemReviews::items_at_once;
+    for (const auto& [id, subscription] : subscriptions_) {
         room -= reviews_.begin(*subscription, now, room);
     }
-    undo.keep();
+}
+
+void SubscriptionTable::handle_deadline(TimePoint now)
+{
+    // Even if a timer throws.
+    const busbar::detail::Undo last{[&] { reviews_.expire(now); }};
+    timers_.expire(now);
 }
 
 void SubscriptionTable::announce_change(const std::unordered_set<NodeId>& variables,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -65,8 +66,11 @@ public:
     /// Notifies all items of the Variables' values; see ValueItem::announce_change.
     void announce_change(const std::unordered_set<NodeId>& variables, std::uint32_t status_bits);
 
-    [[nodiscard]] TimePoint next_deadline() const { return timers_.next_deadline(); }
-    void handle_deadline(TimePoint now) { timers_.expire(now); }
+    [[nodiscard]] TimePoint next_deadline() const
+    {
+        return std::min(timers_.next_deadline(), reviews_.next_deadline());
+    }
+    void handle_deadline(TimePoint now);
 
     [[nodiscard]] const SubscriptionNeeds& needs() const { return needs_; }
     [[nodiscard]] TimerQueue& timers() { return timers_; }

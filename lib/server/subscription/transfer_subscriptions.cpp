@@ -53,7 +53,11 @@ StatusCode transfer(const SubscriptionTable& all, const ServiceContext& context,
                            ? &SubscriptionDiagnosticsDataType::transferred_to_same_client_count
                            : &SubscriptionDiagnosticsDataType::transferred_to_alt_client_count);
     if (sends_initial_values) {
-        busbar::detail::attempt([&] { subscription.resend_data(context.now); });
+        subscription.note_resend();
+    }
+    if (subscription.is_in_review()) {
+        context.peer.turn().spend(Turn::units_of_item *
+                                  subscription.all().reviews().begin(subscription, context.now));
     }
     return status::Good;
 }
@@ -98,7 +102,7 @@ private:
     }
     void pause(ServiceContext& context) override
     {
-        if (done_ == size()) {
+        if (done_ == size() && !context.peer.has_thrown()) { // else the fault is told
             tell(*context.session, first_bad_);
         }
         // Publish requests of the session may have waited for the Notifications of these.
