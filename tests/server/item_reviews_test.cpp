@@ -5,6 +5,8 @@
 #include <busbar/core/detail/guarded.hpp>
 
 #include "bare_subscription.hpp"
+#include "subscription_fixture.hpp"
+#include "thrown.hpp"
 
 namespace item_reviews_test {
 
@@ -173,6 +175,73 @@ TEST_CASE_METHOD(ReviewFixture, "a Subscription may end while others are reviewe
     CHECK(reviews.done >= 600);
     CHECK_FALSE(made[1]->is_in_review());
     CHECK_FALSE(made[3]->is_in_review());
+}
+
+namespace {
+
+/// Gives its user other roles at each login.
+struct OtherRoles final : server::UserStore {
+    [[nodiscard]] Result<server::UserIdentity> log_in(std::string_view, std::string_view) override
+    {
+        user.roles.emplace_back("Observer");
+        return user;
+    }
+    server::UserIdentity user{UserTokenType::UserName, "operator"};
+};
+
+struct ThrowingAccess final : server::AccessControl {
+    [[nodiscard]] bool may_browse(const server::UserIdentity&, const NodeId&) const override
+    {
+        throw_if(is_broken);
+        return true;
+    }
+    [[nodiscard]] std::uint8_t user_access_level(const server::UserIdentity&, const NodeId&,
+                                                 std::uint8_t level) const override
+    {
+        return level;
+    }
+    bool is_broken{false};
+};
+
+} // namespace
+
+TEST_CASE("the record of a transfer that ends in a fault has its status")
+{
+    OtherRoles store;
+    ThrowingAccess access;
+    ServerFixture fixture;
+    fixture.server =
+        server::Server::create(ServerFixture::insecure_config(), {.random = &fixture.random,
+                                                                  .wall_clock = &fixture.wall_clock,
+                                                                  .log = &fixture.log,
+                                                                  .validator = &fixture.validator,
+                                                                  .users = &store,
+                                                                  .access = &access})
+            .value();
+    TestClient first = fixture.connect();
+    TestClient second = fixture.connect();
+    for (TestClient* const client : {&first, &second}) {
+        REQUIRE(client->create_session());
+        REQUIRE(client->activate(client->user("any", "any-secret")) == status::Good);
+    }
+    TransferSubscriptionsRequest request;
+    request.subscription_ids = {
+        first.call<CreateSubscriptionResponse>(SubscriptionFixture::subscription_request())
+            .value()
+            .subscription_id};
+    CHECK(SubscriptionFixture::monitor(
+              first, request.subscription_ids[0],
+              SubscriptionFixture::item_request(NodeId{0, id::Server_ServerStatus_State}))
+              .status_code == status::Good);
+    fixture.log.keeps_records = true;
+    access.is_broken = true;
+    CHECK(second.status_of<TransferSubscriptionsResponse>(request) == status::Bad_InternalError);
+    const auto& records = fixture.log.records;
+    const auto record = std::find_if(records.begin(), records.end(), [](const auto& line) {
+        return line.find("SubscriptionsTransferred") != std::string::npos;
+    });
+    REQUIRE(record != records.end());
+    CHECK(record->find("Bad_InternalError") != std::string::npos);
 }
 
 } // namespace item_reviews_test

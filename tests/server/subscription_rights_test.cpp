@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <stdexcept>
 
 #include <catch2/catch.hpp>
 
@@ -41,14 +40,10 @@ public:
     [[nodiscard]] std::uint8_t user_access_level(const server::UserIdentity& user, const NodeId&,
                                                  std::uint8_t access_level) const override
     {
-        if (is_broken) {
-            throw std::runtime_error{"no directory"};
-        }
         return user.name == reader ? access_level : std::uint8_t{0};
     }
 
     std::string reader{"operator"};
-    bool is_broken{false};
 };
 
 struct Rights {
@@ -263,22 +258,6 @@ TEST_CASE_METHOD(RightsFixture, "the items of Subscriptions that move cost turns
     CHECK(response->results.size() == subscriptions);
     CHECK(std::all_of(response->results.begin(), response->results.end(),
                       [](const auto& one) { return one.status_code == status::Good; }));
-}
-
-TEST_CASE_METHOD(RightsFixture, "the record of a transfer that ends in a fault has its status")
-{
-    store.next.roles = {"Observer"};
-    TestClient other = log_in_again();
-    log.keeps_records = true;
-    access.is_broken = true;
-    TransferSubscriptionsRequest request;
-    request.subscription_ids = {id};
-    CHECK(other.status_of<TransferSubscriptionsResponse>(request) == status::Bad_InternalError);
-    const auto record = std::find_if(log.records.begin(), log.records.end(), [](const auto& line) {
-        return line.find("SubscriptionsTransferred") != std::string::npos;
-    });
-    REQUIRE(record != log.records.end());
-    CHECK(record->find("Bad_InternalError") != std::string::npos);
 }
 
 TEST_CASE_METHOD(RightsFixture, "a user who has expired may do what everybody may in that store")
