@@ -26,9 +26,9 @@ namespace busbar::administration {
 /// Each Method and each node of a Write has one event, also if its session ends before the answer:
 /// of the type that the specification has for the Method, else AuditUpdateMethodEventType. Trust
 /// lists and certificates that a Method has changed have another one each (Part 12, 7.8.2.13 and
-/// 7.10.27), and so has what a file replaces that a Method commits, the server's other certificate
-/// that ApplyChanges puts in force, and a refusal that a Method answers with Good and tells in an
-/// output.
+/// 7.10.27), trust lists also if it is a restore or a clearing; and so have the server's other
+/// certificate that ApplyChanges puts in force, and a refusal that a Method answers with Good and
+/// tells in an output.
 ///
 /// A Write has no OldValue: data sources are not asked for it. Inputs of Methods with passwords or
 /// keys are left out.
