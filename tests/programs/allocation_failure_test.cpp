@@ -11,10 +11,12 @@
 #include <vector>
 
 #include <busbar/controller/project_store.hpp>
+#include <busbar/core/record.hpp>
 #include <busbar/core/status_codes.hpp>
 #include <busbar/storage/memory_storage.hpp>
 
 #include "machine_backup_fixture.hpp"
+#include "product/access/reporting_owner.hpp"
 #include "product/access/setup.hpp"
 #include "product/machine/program_change.hpp"
 #include "product/machine/program_service.hpp"
@@ -280,6 +282,49 @@ TEST_CASE("an allocation that fails in a transfer of a program ends it")
         CHECK((is_check || controller.changes <= 1));
         return has_failed;
     });
+}
+
+namespace {
+
+/// Gets the records of changes, for which it takes no memory.
+struct ChangeLog final : LogSink {
+    void write(LogLevel, std::string_view, std::string_view) override {}
+    [[nodiscard]] bool wants(RecordKind) const override { return true; }
+    void record(const Record& record) override
+    {
+        ++records;
+        has_method = field(record, "MethodId") != nullptr;
+    }
+
+    int records{0};
+    bool has_method{false};
+};
+
+/// Tells what others have changed.
+struct TellingOwner final : ReportingOwner {
+    explicit TellingOwner(LogSink& log) : ReportingOwner{"test", log} {}
+    using ReportingOwner::tell_changed;
+};
+
+} // namespace
+
+TEST_CASE("a change is told to the log without memory, as that of a Method if it is one")
+{
+    const Variant options{"restore"};
+    const server::UserIdentity user;
+    const NodeId tool{1, "tool"};
+    const NodeId method{0, "CloseAndCommit"};
+    const bool has_method = GENERATE(false, true);
+    ChangeLog log;
+    const TellingOwner owner{log};
+    busbar::test::fail_allocation(1, 1'000);
+    CHECK(busbar::test::survives_counted([&] {
+        owner.tell_changed({options, user, tool, has_method ? &method : nullptr},
+                           RecordKind::TrustListUpdated);
+    }));
+    busbar::test::fail_allocation(0);
+    CHECK(log.records == 1);
+    CHECK(log.has_method == has_method);
 }
 
 TEST_CASE("an allocation that fails in a transfer of a project leaves the one before")

@@ -1,5 +1,6 @@
 #include "reporting_owner.hpp"
 
+#include <array>
 #include <span>
 #include <utility>
 
@@ -69,15 +70,15 @@ StatusCode ReportingOwner::report(const TransferRequest& request,
 
 void ReportingOwner::tell_changed(const TransferRequest& request, RecordKind kind) const
 {
+    std::array<RecordField, 1> method{RecordField{"MethodId", Variant{}}};
+    if (request.method != nullptr) {
+        busbar::detail::attempt([&] { method[0].value = Variant{*request.method}; });
+    }
     busbar::detail::attempt([&] {
-        std::vector<RecordField> fields;
-        if (request.method != nullptr) {
-            fields.push_back({"MethodId", Variant{*request.method}});
-        }
         Record record{.kind = kind, .source = source_};
         record.actor.session_id = &request.session;
         record.actor.user = request.user.name;
-        record.fields = fields;
+        record.fields = std::span{method}.first(request.method != nullptr ? 1 : 0);
         tell(log_, record);
     });
 }

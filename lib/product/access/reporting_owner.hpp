@@ -34,8 +34,8 @@ protected:
     /// `verb`; an empty one means that nothing was to change.
     [[nodiscard]] StatusCode report(const administration::TransferRequest& request,
                                     const Configured<std::string>& done, std::string_view verb);
-    /// Records what the request has changed. A record that there is no memory for is lost, since
-    /// the change is made.
+    /// Records what the request has changed. Takes no memory but for the field MethodId, which is
+    /// null without. A record that the log has no memory for is lost, since the change is made.
     void tell_changed(const administration::TransferRequest& request, RecordKind kind) const;
 
 private:
