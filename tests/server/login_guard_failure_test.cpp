@@ -1,5 +1,6 @@
 #include <array>
 #include <string>
+#include <string_view>
 
 #include <catch2/catch.hpp>
 
@@ -102,6 +103,22 @@ TEST_CASE("a wrong password counts without memory at the end of its check")
     }
     CHECK_FALSE(fails_at(1, [&] { last.end(LoginGuard::End::Wrong); }));
     CHECK(world.guard.admit(world.attempt, world.now).is_locked);
+}
+
+TEST_CASE("a wrong password of one single check counts without memory at its end")
+{
+    const bool has_certificate = GENERATE(false, true);
+    const server::ServerLimits limits;
+    LoginGuard guard{limits};
+    const std::string user = "a user whose name is longer than a small string";
+    const std::string_view certificate = "0123456789012345678901234567890123456789";
+    PasswordCheck one;
+    one.name = user;
+    const TimePoint now{1h};
+    static_cast<void>(one.begin(
+        guard, {user, has_certificate ? certificate : std::string_view{}, "192.0.2.1"}, now));
+    CHECK_FALSE(fails_at(1, [&] { one.end(LoginGuard::End::Wrong); }));
+    CHECK(guard.size() != 0);
 }
 
 TEST_CASE("a right password that is not remembered without memory ends its check")

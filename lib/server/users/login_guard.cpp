@@ -242,9 +242,11 @@ std::size_t LoginGuard::count_at(std::string_view source, std::string_view user,
 
 std::size_t LoginGuard::count(const Names& names, std::size_t Count::*kind, TimePoint now)
 {
-    // All memory first: the attempt counts everywhere or nowhere.
+    // All memory first: as far as memory goes, the attempt counts everywhere or nowhere.
     const bool has_second = !names.second.empty();
-    make_room(sources_, 2);
+    const auto is_new = [&](std::string_view name) { return find(sources_, name, now) == nullptr; };
+    make_room(sources_,
+              std::size_t{is_new(names.first)} + std::size_t{has_second && is_new(names.second)});
     Made first = make_entries(names.first, names.user, now);
     Made second = has_second ? make_entries(names.second, names.user, now) : Made{};
     Count user = names.user.empty() ? Count{} : make_entry(users_, names.user, now);

@@ -160,12 +160,13 @@ private:
     [[nodiscard]] Duration slow_down(const LoginAttempt& attempt, const Names& names,
                                      TimePoint now) const;
     [[nodiscard]] Duration delay_after(std::size_t failures) const;
-    /// Counts one more of a kind everywhere the attempt counts; returns the number of failures of
-    /// the first source if all its checks are wrong. Counts nothing if it throws.
+    /// Counts one more of a kind everywhere the attempt counts and has a place; returns the number
+    /// of failures of the first source if all its checks are wrong. Counts nothing if it throws.
     std::size_t count(const Names& names, std::size_t Count::*kind, TimePoint now);
     std::size_t count_at(std::string_view source, std::string_view user, Made made,
                          std::size_t Count::*kind, TimePoint now);
-    /// A check has ended.
+    /// A check has ended. An entry that did not count it, as its table was full then, gives up
+    /// another check of its name, if there is one.
     void release(const Names& names);
     void count_success(const Names& names);
     void forgive(std::string_view source, std::string_view user);
