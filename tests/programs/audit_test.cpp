@@ -92,7 +92,7 @@ std::uint16_t free_port()
             return port;
         }
     }
-    FAIL("no port is free");
+    FAIL("each port has a listener");
     return 0;
 }
 
