@@ -120,8 +120,8 @@ LoginGuard::Made LoginGuard::make_entries(std::string_view source, std::string_v
 {
     Made made;
     made.source = make_entry(sources_, source, now);
-    const bool is_new = !made.source.name.empty();
-    made.user = make_entry(is_new ? made.source.users : named(sources_, source)->users, user, now);
+    auto* const known = made.source.name.empty() ? named(sources_, source) : nullptr;
+    made.user = make_entry(known != nullptr ? known->users : made.source.users, user, now);
     return made;
 }
 
