@@ -56,8 +56,8 @@ private:
     ServiceContext* context_{nullptr};
 };
 
-StatusCode delete_one(SubscriptionTable& all, ServiceContext& context,
-                      const DeleteSubscriptionsRequest& /*request*/, std::uint32_t id)
+StatusCode delete_subscription(SubscriptionTable& all, ServiceContext& context,
+                               const DeleteSubscriptionsRequest& /*request*/, std::uint32_t id)
 {
     Subscription* const subscription = all.find(id);
     if (subscription == nullptr) {
@@ -147,7 +147,7 @@ std::unique_ptr<ServiceOperation> make_set_publishing_mode(SubscriptionTable& al
 
 std::unique_ptr<ServiceOperation> make_delete_subscriptions(SubscriptionTable& all)
 {
-    return std::make_unique<DeleteSubscriptions>(all, delete_one);
+    return std::make_unique<DeleteSubscriptions>(all, delete_subscription);
 }
 
 void RepublishOperation::start(ServiceContext& context)
