@@ -376,4 +376,15 @@ TEST_CASE_METHOD(EventFixture, "events do not wait for data that never ends")
     CHECK(changes > 0); // nor the other way round
 }
 
+TEST_CASE_METHOD(EventFixture, "an event has a status in place of a field that is not UTF-8")
+{
+    const auto made = monitor(client, id, event_request(selecting({"Message", "Severity"})));
+    REQUIRE(made.status_code == status::Good);
+    raise("ok\xFF\xFE", 500);
+    const auto events = next_events(client);
+    REQUIRE(events.size() == 1);
+    CHECK(events[0].event_fields[0] == Variant{status::Bad_EncodingError});
+    CHECK(events[0].event_fields[1] == Variant{std::uint16_t{500}});
+}
+
 } // namespace event_item_test

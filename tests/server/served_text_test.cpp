@@ -1,7 +1,6 @@
 #include <catch2/catch.hpp>
 
 #include "attribute_fixture.hpp"
-#include "event_item_fixture.hpp"
 #include "item_fixture.hpp"
 #include "method_fixture.hpp"
 #include "server/data/read_results.hpp"
@@ -128,17 +127,6 @@ TEST_CASE_METHOD(ItemFixture, "a notification has a status in place of a text th
     data = next_data(client, cycle);
     REQUIRE(data.size() == 1);
     CHECK(data[0].value.value == Variant{"last"});
-}
-
-TEST_CASE_METHOD(EventFixture, "an event has a status in place of a field that is not UTF-8")
-{
-    const auto made = monitor(client, id, event_request(selecting({"Message", "Severity"})));
-    REQUIRE(made.status_code == status::Good);
-    raise(broken, 500);
-    const auto events = next_events(client);
-    REQUIRE(events.size() == 1);
-    CHECK(events[0].event_fields[0] == Variant{status::Bad_EncodingError});
-    CHECK(events[0].event_fields[1] == Variant{std::uint16_t{500}});
 }
 
 TEST_CASE_METHOD(MethodFixture, "a Method whose output is not UTF-8 fails alone")

@@ -177,4 +177,41 @@ TEST_CASE_METHOD(MethodFixture, "arguments are also what a property says that wa
           (inputs == 0 ? status::Bad_InvalidArgument : status::Bad_InternalError));
 }
 
+TEST_CASE("the last values of many items are sent again in turns")
+{
+    constexpr std::uint32_t items = 1'000;
+    constexpr auto cycle = std::chrono::milliseconds{100};
+    SubscriptionFixture fixture;
+    const NodeId level = fixture.add_variable("level", 7);
+    auto client = fixture.log_in();
+    const std::uint32_t id = fixture.subscribe(client);
+    for (std::uint32_t i = 0; i < items; ++i) {
+        REQUIRE(
+            SubscriptionFixture::monitor(client, id, SubscriptionFixture::item_request(level, i))
+                .status_code == status::Good);
+    }
+    CHECK(fixture.next_data(client, cycle).size() == items);
+    const auto publish = SubscriptionFixture::publish(client);
+
+    CallMethodRequest resend;
+    resend.object_id = NodeId{0, id::Server};
+    resend.method_id = NodeId{0, id::Server_ResendData};
+    resend.input_arguments = {Variant{id}};
+    CallRequest call;
+    call.methods_to_call = {resend};
+    const auto answer = client.call<CallResponse>(call);
+    REQUIRE(answer);
+    REQUIRE(answer->results[0].status_code == status::Good);
+    std::size_t turns = 0;
+    for (; fixture.server.next_deadline() <= fixture.now; ++turns) {
+        CHECK(SubscriptionFixture::status_of(client, publish) == status::Bad_WouldBlock);
+        fixture.server.handle_deadline(fixture.now);
+    }
+    CHECK(turns >= 4);
+    fixture.advance(cycle, client);
+    const auto response = SubscriptionFixture::take(client, publish);
+    REQUIRE(response);
+    CHECK(SubscriptionFixture::data(response->notification_message).size() == items);
+}
+
 } // namespace server_methods_test
