@@ -4,6 +4,7 @@
 #include <busbar/core/log.hpp>
 #include <busbar/server/memory_source.hpp>
 #include <busbar/server/server.hpp>
+#include <busbar/types/data_types.hpp>
 #include <busbar/types/ids.hpp>
 
 namespace {
