@@ -34,7 +34,7 @@
 
 namespace audit_test {
 
-// What an administrator hears of changes of a controller whose mode switch is turned.
+// The audit events of a controller whose mode switch is turned.
 
 using namespace busbar;
 using namespace busbar::product;

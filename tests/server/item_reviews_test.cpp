@@ -19,7 +19,7 @@ namespace {
 
 constexpr TimePoint start{};
 
-/// What happens to the items of a test.
+/// Lets items of a test throw, and counts what happens to them.
 struct Reviews {
     /// The item with this id throws so many times.
     std::uint32_t failing{0};

@@ -10,7 +10,7 @@ namespace busbar::server::detail {
 
 /// Adds one node (Part 4, 5.8.2) and, below an Object or Variable, the Mandatory members of its
 /// type; returns its NodeId, or a code of Table 24. Bad_OutOfMemory once clients have added the
-/// maximum. An error leaves nothing behind.
+/// maximum. After an error nothing was added.
 [[nodiscard]] Result<NodeId> add_node(NodeManagementContext& context, const AddNodesItem& item);
 
 /// Adds one reference in both directions (Part 4, 5.8.3): Good or a code of Table 27.

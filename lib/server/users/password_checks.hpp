@@ -67,7 +67,7 @@ private:
     std::atomic<bool> is_wanted_{true};
     bool was_compared_{false};
     LoginGuard* guard_{nullptr};
-    /// What the attempt counts for, and when it began.
+    /// The names that the attempt counts for, and the time at which it began.
     LoginGuard::Names names_;
     TimePoint since_;
 };

@@ -97,7 +97,7 @@ struct StatusHelp {
 [[nodiscard]] std::string nearest(std::string_view word,
                                   const std::vector<std::string>& candidates);
 
-/// That there is no command of this name below `level`, and which one was probably meant.
+/// Says that `level` has no command of this name, and names the one that was probably meant.
 [[nodiscard]] Failure unknown_command(const CLI::App& level, const std::string& word);
 /// Explains an error of the command line: the unknown word, and the one that was probably meant.
 [[nodiscard]] Failure usage_failure(const CLI::App& app, const CLI::ParseError& error);
